@@ -1,0 +1,61 @@
+// Rays against one rounded solid R (docs: the rounding's file header, rounding.h).
+//
+// Everything here is in the solid's frame and in double arithmetic on the stored float32 data; `t` is in units of the
+// ray direction's length, which need not be 1. The functions are pure and thread safe.
+#pragma once
+
+#include "common/rounding.h"
+
+#include <optional>
+
+namespace chamfer {
+
+enum class Feature : std::uint8_t { Flat, Cylinder, Sphere };
+
+/// One end of the interval of a line inside R.
+struct RoundedEnd {
+  double t;
+  Vector3 normal; ///< unit, outward
+  Feature feature;
+};
+
+/// A line's interval inside R.
+struct RoundedInterval {
+  RoundedEnd in, out;
+};
+
+/// What the detection says of a point on P's surface.
+struct Detection {
+  bool inZone;             ///< false: the point is on a flat
+  std::uint32_t halfEdge;  ///< in the zone: a feature near the point to start the walk from
+};
+
+/// Is the point `p` (on or near facet `facet` of solid `solid`; solid's frame) in a chamfer zone? Tests the facet's own
+/// detection cylinders, through the kd-tree where the facet has one.
+Detection detect(const RoundingView& view, std::uint32_t solid, std::uint32_t facet, const Point3& p);
+
+/// Where the whole line of `ray` enters R, or nothing when the line misses R. `startHalfEdge`: where the search begins;
+/// any local half-edge gives the same answer, a near one gives it sooner. The ray's origin should be near the solid
+/// (within some diameters): positions lose about 1e-16 of its distance.
+std::optional<RoundedEnd> entry(const RoundingView& view, std::uint32_t solid, const Ray& ray,
+                                std::uint32_t startHalfEdge);
+/// Where the line leaves R: the entry of the reversed line.
+std::optional<RoundedEnd> exit(const RoundingView& view, std::uint32_t solid, const Ray& ray,
+                               std::uint32_t startHalfEdge);
+/// Both.
+std::optional<RoundedInterval> interval(const RoundingView& view, std::uint32_t solid, const Ray& ray,
+                                        std::uint32_t startHalfEdge);
+
+/// A mesh triangle's candidate for being the hit of a ray.
+struct Candidate {
+  std::uint32_t facet; ///< index in view.facets of the facet that the triangle belongs to
+  double t;            ///< where the ray meets the triangle; a float32 value is near enough
+};
+
+/// The first end of the ray's interval in the candidate's solid that lies beyond `tnear`, with the ray in the MESH's
+/// frame; nothing when there is none. This is the whole decision behind a mesh hit: flats are answered at once,
+/// zones are searched, slivers are seen through. The answer does not depend on which of the solid's triangles asked.
+std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candidate& candidate, const Ray& ray,
+                                         double tnear);
+
+} // namespace chamfer

@@ -1,0 +1,105 @@
+// The rounding of a mesh: for every solid its core E as a half-edge structure over sphere centres, the planes of its
+// facets, and kd-trees of detection cylinders for facets with many edges. This is what the sidecar file holds and
+// what the renderer reads; it is never changed once made.
+//
+// Method: Courtin et al., "Efficient Rendering of Rounded Corners and Edges for Convex Objects", CGI 2019. The rounded
+// solid is R = E (+) ball(r) with E = {x : n_f.x <= d_f - r}. A vertex of E is the centre of a rounding sphere, an
+// edge of E the axis of a rounding cylinder, a face of E moved out by r a flat.
+//
+// Frames: everything of a solid is relative to that solid's own origin (SolidRecord::origin, in mesh coordinates), so
+// that float32 loses nothing for a solid far from the mesh's origin. Lengths are mesh units.
+#pragma once
+
+#include "common/vec.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace chamfer {
+
+inline constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// A triangle or solid that stays sharp has facet / solid kNone.
+struct SolidRecord {
+  double origin[3];           ///< mesh coordinates of the solid's frame
+  float radius;               ///< rounding radius r
+  float boundRadius;          ///< ball about the origin that holds the whole solid P
+  std::uint32_t firstFacet;   ///< into facets; the solid's facets end where the next solid's begin
+  std::uint32_t firstSphere;  ///< into spheres
+  std::uint32_t firstHalfEdge; ///< into wide when kWide is set, else into packed; see wide() and halfEdgeStart()
+  std::uint32_t halfEdgeCount; ///< twice the number of rounded edges
+  static constexpr std::uint32_t kWide = 0x80000000u;
+  bool wide() const { return (firstHalfEdge & kWide) != 0; }
+  std::uint32_t halfEdgeStart() const { return firstHalfEdge & ~kWide; }
+};
+static_assert(sizeof(SolidRecord) == 48);
+
+/// Plane of a facet of P: n.x = d in the solid's frame, n unit and outward.
+struct FacetRecord {
+  Float3 normal;
+  float offset;
+  /// Local half-edge. With a flat: the first half-edge of the loop around E's face; the loop goes on with the
+  /// following half-edges as long as they name this facet, counter-clockwise seen from outside.
+  /// Without a flat (kVanished set): a half-edge whose start is the vertex of E that lies highest over the facet: a
+  /// start for the walk to the nearest feature.
+  std::uint32_t first;
+  std::uint32_t solid; ///< index of its solid in the mesh
+  static constexpr std::uint32_t kVanished = 0x80000000u;
+  static constexpr std::uint32_t kHasTree = 0x40000000u; ///< treeRoots has an entry for this facet
+  bool vanished() const { return (first & kVanished) != 0; }
+  bool hasTree() const { return (first & kHasTree) != 0; }
+  std::uint32_t firstHalfEdge() const { return first & ~(kVanished | kHasTree); }
+};
+static_assert(sizeof(FacetRecord) == 24);
+
+/// One side of an edge of E; all indices are local to the solid. It runs along the boundary of its facet's face from `sphere` to the twin's `sphere`.
+struct HalfEdge {
+  std::uint32_t sphere; ///< its start
+  std::uint32_t twin;   ///< the same edge's other side
+  std::uint32_t facet;  ///< the facet on this side
+};
+
+/// Storage of half-edges of solids with fewer than 65,536 of them.
+struct PackedHalfEdge {
+  std::uint16_t sphere, twin, facet;
+};
+
+/// kd-tree node over a facet's detection cylinders; 8 bytes. An inner node splits the facet's points along `axis`
+/// (0..2) at `split`; its children are `first` and `first + 1`. A leaf holds `count` entries of treeLeaves from
+/// `first`: the cylinders that can be the deepest at some point of the leaf.
+struct TreeNode {
+  union {
+    float split;
+    std::uint32_t count;
+  };
+  std::uint32_t bits; ///< low 2 bits: axis, or 3 for a leaf; the rest: first
+  bool leaf() const { return (bits & 3u) == 3u; }
+  std::uint32_t axis() const { return bits & 3u; }
+  std::uint32_t first() const { return bits >> 2; }
+};
+static_assert(sizeof(TreeNode) == 8);
+
+/// Root of the tree of one facet. A facet with few cylinders has none: its loop is its only leaf.
+struct TreeRoot {
+  std::uint32_t facet; ///< index in facets; roots are in ascending order of it
+  std::uint32_t node;  ///< into treeNodes
+};
+
+/// Non-owning view of everything; spans point into a Rounding's storage or into a mapped file.
+struct RoundingView {
+  std::span<const SolidRecord> solids; ///< one more than there are solids: the last only ends the ranges
+  std::span<const FacetRecord> facets;
+  std::span<const Float3> spheres;
+  std::span<const PackedHalfEdge> packed; ///< half-edges of the small solids
+  std::span<const HalfEdge> wide;         ///< half-edges of the others
+  std::span<const TreeRoot> treeRoots;
+  std::span<const TreeNode> treeNodes;
+  std::span<const std::uint32_t> treeLeaves; ///< local half-edges
+  std::span<const std::uint32_t> facetOfTriangle; ///< by the mesh's triangle index; kNone: stays sharp
+
+  std::size_t solidCount() const { return solids.empty() ? 0 : solids.size() - 1; }
+};
+
+} // namespace chamfer

@@ -1,0 +1,56 @@
+// The sidecar: the file that carries a mesh's rounding. Layout in sidecar.cpp's head comment.
+#pragma once
+
+#include "common/digest.h"
+#include "common/rounding.h"
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace chamfer {
+
+/// Immutable owner of a rounding: vectors, or a mapped sidecar file. Share it by `std::shared_ptr<const Rounding>`.
+class Rounding {
+public:
+  virtual ~Rounding() = default;
+  const RoundingView& view() const { return view_; }
+  /// Digest of the mesh geometry that it belongs to (preprocess/mesh.h: geometryDigest).
+  const Digest& meshDigest() const { return meshDigest_; }
+  /// Bytes that it holds in memory or maps.
+  std::size_t bytes() const { return bytes_; }
+
+protected:
+  RoundingView view_;
+  Digest meshDigest_;
+  std::size_t bytes_ = 0;
+};
+
+/// Rounding held in vectors, as preprocessing makes it.
+struct RoundingArrays {
+  std::vector<SolidRecord> solids;
+  std::vector<FacetRecord> facets;
+  std::vector<Float3> spheres;
+  std::vector<PackedHalfEdge> packed;
+  std::vector<HalfEdge> wide;
+  std::vector<TreeRoot> treeRoots;
+  std::vector<TreeNode> treeNodes;
+  std::vector<std::uint32_t> treeLeaves;
+  std::vector<std::uint32_t> facetOfTriangle;
+};
+std::shared_ptr<const Rounding> makeRounding(RoundingArrays arrays, const Digest& meshDigest);
+
+/// Writes to a temporary name in the same folder, syncs, renames. Same rounding, same bytes. Returns the file's size.
+/// Throws Error(CannotWrite).
+std::size_t writeSidecar(const std::filesystem::path& path, const Rounding& rounding);
+
+/// Maps and checks a sidecar: sizes, section table, checksums, every index, every float. Throws Error(DamagedSidecar),
+/// Error(NotFound), or Error(StaleSidecar) when `expected` is given and is not the file's mesh digest.
+std::shared_ptr<const Rounding> readSidecar(const std::filesystem::path& path, const Digest* expected = nullptr);
+/// The same from bytes in memory (fuzzing, tests); they are copied.
+std::shared_ptr<const Rounding> parseSidecar(std::span<const std::byte> bytes, const Digest* expected = nullptr);
+
+/// Throws Error(DamagedSidecar), naming the first fault, unless every invariant of rounding.h holds.
+void validate(const RoundingView& view);
+
+} // namespace chamfer

@@ -1,0 +1,75 @@
+// Rendering of tiles: a pure function of scene, settings and tile. Same input, same bits, with any number of threads.
+#pragma once
+
+#include "server/render/scene.h"
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace chamfer {
+
+enum class RoundingMode : std::uint8_t { None, Analytic, Mesh, Bevel };
+enum class Aov : std::uint8_t { Beauty, Albedo, Normal, Depth, Feature };
+
+/// Which rounding a request asks for.
+struct RoundingChoice {
+  RoundingMode mode = RoundingMode::Analytic;
+  unsigned count = 0;           ///< segments of mesh:K, probes of bevel:N
+  std::optional<double> radius; ///< mesh units; nothing: the sidecar's
+  bool operator==(const RoundingChoice&) const = default;
+};
+
+struct RenderSettings {
+  unsigned width = 0, height = 0;     ///< of the whole frame
+  unsigned firstSample = 0, endSample = 1; ///< samples s0 .. s1-1 of every pixel
+  unsigned seed = 0;
+  unsigned maxBounces = 8;
+  Aov aov = Aov::Beauty;
+  std::optional<Camera> camera; ///< nothing: the scene's
+};
+
+struct TileRect {
+  unsigned x = 0, y = 0, width = 0, height = 0; ///< pixels, y down from the top
+};
+
+struct RayStatistics {
+  std::uint64_t cameraRays = 0, bounceRays = 0, shadowRays = 0;
+  std::uint64_t hits = 0, roundedHits = 0; ///< of camera and bounce rays; roundedHits: on a cylinder or sphere
+  std::uint64_t nonFiniteSamples = 0;      ///< replaced by black, counted
+  RayStatistics& operator+=(const RayStatistics& o);
+  std::uint64_t rays() const { return cameraRays + bounceRays + shadowRays; }
+};
+
+/// Scene plus one rounding choice, ready to trace. Immutable, shared; may be costly to make (another radius).
+class PreparedScene;
+/// Throws Error(RadiusTooLarge) naming the largest radius that works, Error(OutOfRange).
+std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const RoundingChoice& choice,
+                                             unsigned threads = 0);
+/// The tracer over the scene's own instances only (no studio ground): what POST .../rays asks.
+const Tracer& ownTracer(const PreparedScene& prepared);
+const Scene& sceneOf(const PreparedScene& prepared);
+std::size_t memoryBytes(const PreparedScene& prepared);
+
+struct RenderControl {
+  unsigned threads = 0;                         ///< 0: all cores
+  std::function<bool()> cancelled;              ///< asked often; true: stop and throw Error(Cancelled)
+  std::function<void(double share)> progress;   ///< 0..1, from any thread
+};
+
+struct Image {
+  unsigned width = 0, height = 0;
+  std::vector<float> rgba; ///< [height][width][4], linear, top row first; alpha: coverage
+};
+
+struct RenderResult {
+  Image image; ///< mean of the samples
+  RayStatistics statistics;
+};
+
+RenderResult renderTile(const PreparedScene& prepared, const RenderSettings& settings, const TileRect& tile,
+                        const RenderControl& control = {});
+
+} // namespace chamfer

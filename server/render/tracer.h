@@ -1,0 +1,69 @@
+// Ray queries of a scene: Embree over the unmodified meshes, with the rounding applied to every candidate hit. The only
+// place that knows Embree (tracer.cpp). Immutable after construction; any number of threads may query it.
+#pragma once
+
+#include "common/ray_query.h"
+#include "common/sidecar.h"
+#include "common/transform.h"
+#include "preprocess/mesh.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace chamfer {
+
+/// A mesh with its bounding volume hierarchy; shared by all instances, scenes and roundings of it.
+class TracedMesh;
+std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleMesh> mesh);
+
+/// One placed object. `rounding` null: the mesh is sharp.
+struct TracedInstance {
+  std::shared_ptr<const TracedMesh> mesh;
+  std::shared_ptr<const Rounding> rounding;
+  Transform worldFromObject;
+};
+
+/// Where a path is, so that a surface is never hit again from where the path leaves it. For a convex rounded solid the
+/// answer is exact without any offset: its id and the side on which the path goes on.
+struct RayOrigin {
+  std::uint32_t instance = kNone; ///< kNone: a free point (camera, a batch ray)
+  std::uint32_t solid = kNone;    ///< kNone: a sharp triangle
+  std::uint32_t triangle = kNone;
+  bool inside = false; ///< the path goes on inside the solid (transmission): only its far end can be hit
+};
+
+struct TraceHit {
+  double t;               ///< in units of the direction's length
+  Point3 position;        ///< world
+  Vector3 normal;         ///< world, unit, outward: of the rounded surface (of the triangle where sharp)
+  Feature feature;        ///< Flat where sharp
+  std::uint32_t instance; ///< index in the tracer's instances
+  std::uint32_t solid;    ///< in the instance's mesh; kNone where sharp
+  std::uint32_t triangle; ///< mesh triangle that was met
+  float u, v;             ///< barycentric coordinates of the mesh's hit on it
+  bool rounded() const { return feature != Feature::Flat; }
+  /// The origin for a ray that leaves this hit along `direction`.
+  RayOrigin leave(const Vector3& direction) const {
+    return {instance, solid, triangle, dot(direction, normal) < 0};
+  }
+};
+
+class Tracer {
+public:
+  virtual ~Tracer() = default;
+  /// First hit with t in (tnear, tfar), or nothing.
+  virtual std::optional<TraceHit> intersect(const Ray& ray, const RayOrigin& from = {}, double tnear = 0,
+                                            double tfar = INFINITY) const = 0;
+  /// Is anything hit with t in (tnear, tfar)?
+  virtual bool occluded(const Ray& ray, const RayOrigin& from = {}, double tnear = 0,
+                        double tfar = INFINITY) const = 0;
+  virtual const Bounds3& bounds() const = 0; ///< world, of the unmodified meshes
+  virtual std::size_t memoryBytes() const = 0; ///< Embree structures and roundings, each counted once
+};
+
+/// Builds the top level over the instances (mesh hierarchies are shared, not rebuilt).
+std::shared_ptr<const Tracer> makeTracer(std::vector<TracedInstance> instances);
+
+} // namespace chamfer
