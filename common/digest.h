@@ -1,5 +1,5 @@
-// Content digests: XXH3, 128 bits. They name content (scene ids, stale sidecars, ETags) and find damage; they are
-// not a defence against somebody who forges a collision.
+// Content digests: XXH3, 128 bits. They name content (scene ids, stale sidecars, ETags) and find damage; they
+// are not a defence against somebody who forges a collision.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // Rays against one rounded solid R (docs: the rounding's file header, rounding.h).
 //
-// Everything here is in the solid's frame and in double arithmetic on the stored float32 data; `t` is in units of the
-// ray direction's length, which need not be 1. The functions are pure and thread safe.
+// Everything here is in the solid's frame and in double arithmetic on the stored float32 data; `t` is in
+// units of the ray direction's length, which need not be 1. The functions are pure and thread safe.
 #pragma once
 
 #include "common/rounding.h"
@@ -26,17 +26,17 @@ struct RoundedInterval {
 
 /// What the detection says of a point on P's surface.
 struct Detection {
-  bool inZone;             ///< false: the point is on a flat
-  std::uint32_t halfEdge;  ///< in the zone: a feature near the point to start the walk from
+  bool inZone;            ///< false: the point is on a flat
+  std::uint32_t halfEdge; ///< in the zone: a feature near the point to start the walk from
 };
 
-/// Is the point `p` (on or near facet `facet` of solid `solid`; solid's frame) in a chamfer zone? Tests the facet's own
-/// detection cylinders, through the kd-tree where the facet has one.
+/// Is the point `p` (on or near facet `facet` of solid `solid`; solid's frame) in a chamfer zone? Tests the
+/// facet's own detection cylinders, through the kd-tree where the facet has one.
 Detection detect(const RoundingView& view, std::uint32_t solid, std::uint32_t facet, const Point3& p);
 
-/// Where the whole line of `ray` enters R, or nothing when the line misses R. `startHalfEdge`: where the search begins;
-/// any local half-edge gives the same answer, a near one gives it sooner. The ray's origin should be near the solid
-/// (within some diameters): positions lose about 1e-16 of its distance.
+/// Where the whole line of `ray` enters R, or nothing when the line misses R. `startHalfEdge`: where the
+/// search begins; any local half-edge gives the same answer, a near one gives it sooner. The ray's origin
+/// should be near the solid (within some diameters): positions lose about 1e-16 of its distance.
 std::optional<RoundedEnd> entry(const RoundingView& view, std::uint32_t solid, const Ray& ray,
                                 std::uint32_t startHalfEdge);
 /// Where the line leaves R: the entry of the reversed line.
@@ -52,9 +52,11 @@ struct Candidate {
   double t;            ///< where the ray meets the triangle; a float32 value is near enough
 };
 
-/// The first end of the ray's interval in the candidate's solid that lies beyond `tnear`, with the ray in the MESH's
-/// frame; nothing when there is none. This is the whole decision behind a mesh hit: flats are answered at once,
-/// zones are searched, slivers are seen through. The answer does not depend on which of the solid's triangles asked.
+/// The first end of the ray's interval in the candidate's solid that lies beyond `tnear`, with the ray in the
+/// MESH's frame; nothing when there is none. This is the whole decision behind a mesh hit: flats are answered
+/// at once, zones are searched, slivers are seen through. The answer does not depend on which of the solid's
+/// triangles asked, but a back-facing candidate of a ray that begins outside the solid's bounding ball
+/// answers nothing: a front-facing one speaks for that ray.
 std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candidate& candidate, const Ray& ray,
                                          double tnear);
 

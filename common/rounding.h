@@ -1,13 +1,13 @@
-// The rounding of a mesh: for every solid its core E as a half-edge structure over sphere centres, the planes of its
-// facets, and kd-trees of detection cylinders for facets with many edges. This is what the sidecar file holds and
-// what the renderer reads; it is never changed once made.
+// The rounding of a mesh: for every solid its core E as a half-edge structure over sphere centres, the planes
+// of its facets, and kd-trees of detection cylinders for facets with many edges. This is what the sidecar
+// file holds and what the renderer reads; it is never changed once made.
 //
-// Method: Courtin et al., "Efficient Rendering of Rounded Corners and Edges for Convex Objects", CGI 2019. The rounded
-// solid is R = E (+) ball(r) with E = {x : n_f.x <= d_f - r}. A vertex of E is the centre of a rounding sphere, an
-// edge of E the axis of a rounding cylinder, a face of E moved out by r a flat.
+// Method: Courtin et al., "Efficient Rendering of Rounded Corners and Edges for Convex Objects", CGI 2019.
+// The rounded solid is R = E (+) ball(r) with E = {x : n_f.x <= d_f - r}. A vertex of E is the centre of a
+// rounding sphere, an edge of E the axis of a rounding cylinder, a face of E moved out by r a flat.
 //
-// Frames: everything of a solid is relative to that solid's own origin (SolidRecord::origin, in mesh coordinates), so
-// that float32 loses nothing for a solid far from the mesh's origin. Lengths are mesh units.
+// Frames: everything of a solid is relative to that solid's own origin (SolidRecord::origin, in mesh
+// coordinates), so that float32 loses nothing for a solid far from the mesh's origin. Lengths are mesh units.
 #pragma once
 
 #include "common/vec.h"
@@ -23,12 +23,13 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// A triangle or solid that stays sharp has facet / solid kNone.
 struct SolidRecord {
-  double origin[3];           ///< mesh coordinates of the solid's frame
-  float radius;               ///< rounding radius r
-  float boundRadius;          ///< ball about the origin that holds the whole solid P
-  std::uint32_t firstFacet;   ///< into facets; the solid's facets end where the next solid's begin
-  std::uint32_t firstSphere;  ///< into spheres
-  std::uint32_t firstHalfEdge; ///< into wide when kWide is set, else into packed; see wide() and halfEdgeStart()
+  double origin[3];          ///< mesh coordinates of the solid's frame
+  float radius;              ///< rounding radius r
+  float boundRadius;         ///< ball about the origin that holds the whole solid P
+  std::uint32_t firstFacet;  ///< into facets; the solid's facets end where the next solid's begin
+  std::uint32_t firstSphere; ///< into spheres
+  std::uint32_t
+      firstHalfEdge; ///< into wide when kWide is set, else into packed; see wide() and halfEdgeStart()
   std::uint32_t halfEdgeCount; ///< twice the number of rounded edges
   static constexpr std::uint32_t kWide = 0x80000000u;
   bool wide() const { return (firstHalfEdge & kWide) != 0; }
@@ -42,8 +43,8 @@ struct FacetRecord {
   float offset;
   /// Local half-edge. With a flat: the first half-edge of the loop around E's face; the loop goes on with the
   /// following half-edges as long as they name this facet, counter-clockwise seen from outside.
-  /// Without a flat (kVanished set): a half-edge whose start is the vertex of E that lies highest over the facet: a
-  /// start for the walk to the nearest feature.
+  /// Without a flat (kVanished set): a half-edge whose start is the vertex of E that lies highest over the
+  /// facet: a start for the walk to the nearest feature.
   std::uint32_t first;
   std::uint32_t solid; ///< index of its solid in the mesh
   static constexpr std::uint32_t kVanished = 0x80000000u;
@@ -54,7 +55,8 @@ struct FacetRecord {
 };
 static_assert(sizeof(FacetRecord) == 24);
 
-/// One side of an edge of E; all indices are local to the solid. It runs along the boundary of its facet's face from `sphere` to the twin's `sphere`.
+/// One side of an edge of E; all indices are local to the solid. It runs along the boundary of its facet's
+/// face from `sphere` to the twin's `sphere`.
 struct HalfEdge {
   std::uint32_t sphere; ///< its start
   std::uint32_t twin;   ///< the same edge's other side
@@ -66,9 +68,9 @@ struct PackedHalfEdge {
   std::uint16_t sphere, twin, facet;
 };
 
-/// kd-tree node over a facet's detection cylinders; 8 bytes. An inner node splits the facet's points along `axis`
-/// (0..2) at `split`; its children are `first` and `first + 1`. A leaf holds `count` entries of treeLeaves from
-/// `first`: the cylinders that can be the deepest at some point of the leaf.
+/// kd-tree node over a facet's detection cylinders; 8 bytes. An inner node splits the facet's points along
+/// `axis` (0..2) at `split`; its children are `first` and `first + 1`. A leaf holds `count` entries of
+/// treeLeaves from `first`: the cylinders that can be the deepest at some point of the leaf.
 struct TreeNode {
   union {
     float split;
@@ -96,7 +98,7 @@ struct RoundingView {
   std::span<const HalfEdge> wide;         ///< half-edges of the others
   std::span<const TreeRoot> treeRoots;
   std::span<const TreeNode> treeNodes;
-  std::span<const std::uint32_t> treeLeaves; ///< local half-edges
+  std::span<const std::uint32_t> treeLeaves;      ///< local half-edges
   std::span<const std::uint32_t> facetOfTriangle; ///< by the mesh's triangle index; kNone: stays sharp
 
   std::size_t solidCount() const { return solids.empty() ? 0 : solids.size() - 1; }

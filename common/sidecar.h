@@ -10,7 +10,8 @@
 
 namespace chamfer {
 
-/// Immutable owner of a rounding: vectors, or a mapped sidecar file. Share it by `std::shared_ptr<const Rounding>`.
+/// Immutable owner of a rounding: vectors, or a mapped sidecar file. Share it by `std::shared_ptr<const
+/// Rounding>`.
 class Rounding {
 public:
   virtual ~Rounding() = default;
@@ -40,15 +41,18 @@ struct RoundingArrays {
 };
 std::shared_ptr<const Rounding> makeRounding(RoundingArrays arrays, const Digest& meshDigest);
 
-/// Writes to a temporary name in the same folder, syncs, renames. Same rounding, same bytes. Returns the file's size.
-/// Throws Error(CannotWrite).
+/// Writes to a temporary name in the same folder, syncs, renames. Same rounding, same bytes. Returns the
+/// file's size. Throws Error(CannotWrite).
 std::size_t writeSidecar(const std::filesystem::path& path, const Rounding& rounding);
 
-/// Maps and checks a sidecar: sizes, section table, checksums, every index, every float. Throws Error(DamagedSidecar),
-/// Error(NotFound), or Error(StaleSidecar) when `expected` is given and is not the file's mesh digest.
-std::shared_ptr<const Rounding> readSidecar(const std::filesystem::path& path, const Digest* expected = nullptr);
+/// Maps and checks a sidecar: sizes, section table, checksums, every index, every float. Throws
+/// Error(DamagedSidecar), Error(NotFound), or Error(StaleSidecar) when `expected` is given and is not the
+/// file's mesh digest.
+std::shared_ptr<const Rounding> readSidecar(const std::filesystem::path& path,
+                                            const Digest* expected = nullptr);
 /// The same from bytes in memory (fuzzing, tests); they are copied.
-std::shared_ptr<const Rounding> parseSidecar(std::span<const std::byte> bytes, const Digest* expected = nullptr);
+std::shared_ptr<const Rounding> parseSidecar(std::span<const std::byte> bytes,
+                                             const Digest* expected = nullptr);
 
 /// Throws Error(DamagedSidecar), naming the first fault, unless every invariant of rounding.h holds.
 void validate(const RoundingView& view);

@@ -15,7 +15,8 @@ Transform::Transform(const Rows& rows) : m_(rows) {
   // Relative to the volume that columns of these lengths could span, so that no unit of length matters.
   const double full = length(a) * length(b) * length(c);
   if (!std::isfinite(det) || !isFinite(t) || !(std::abs(det) > 1e-12 * full))
-    throw Error(ErrorKind::OutOfRange, "the transform cannot be inverted: its scale is zero along some direction");
+    throw Error(ErrorKind::OutOfRange,
+                "the transform cannot be inverted: its scale is zero along some direction");
   const Vector3 rowsInv[3] = {bc / det, ca / det, ab / det};
   for (int i = 0; i < 3; ++i)
     inv_[i] = {rowsInv[i].x, rowsInv[i].y, rowsInv[i].z, -dot(rowsInv[i], t)};
@@ -32,7 +33,8 @@ Transform Transform::scale(const Vector3& by) {
 Transform Transform::rotate(const Vector3& axis, double angleDegrees) {
   const Vector3 u = normalize(axis);
   if (!isFinite(u)) throw Error(ErrorKind::OutOfRange, "a rotation needs an axis that is not zero");
-  const double angle = angleDegrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle), k = 1 - c;
+  const double angle = angleDegrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle),
+               k = 1 - c;
   return Transform(Rows{{{c + u.x * u.x * k, u.x * u.y * k - u.z * s, u.x * u.z * k + u.y * s, 0},
                          {u.y * u.x * k + u.z * s, c + u.y * u.y * k, u.y * u.z * k - u.x * s, 0},
                          {u.z * u.x * k - u.y * s, u.z * u.y * k + u.x * s, c + u.z * u.z * k, 0}}});
@@ -63,7 +65,8 @@ bool Transform::isIdentity() const { return m_ == kIdentity; }
 
 double Transform::determinant() const {
   const auto& m = m_;
-  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 

@@ -21,8 +21,8 @@ public:
 
   Point3 operator()(const Point3& p) const { return apply(m_, p); }
   Vector3 operator()(const Vector3& v) const { return applyLinear(m_, v); }
-  /// Covariant: multiplies by the inverse transpose. The result is not of unit length, and stays outward under
-  /// mirroring.
+  /// Covariant: multiplies by the inverse transpose. The result is not of unit length, and stays outward
+  /// under mirroring.
   Normal3 operator()(const Normal3& n) const { return applyTransposed(inv_, n); }
   Ray operator()(const Ray& r) const { return {(*this)(r.origin), (*this)(r.direction)}; }
 

@@ -1,0 +1,87 @@
+#include "common/core_view.h"
+
+namespace chamfer {
+
+bool CoreView::inCell(CoreFeature& feature, const Vector3& p) const {
+  switch (feature.kind) {
+  case CoreFeature::Face:
+    return inFaceCell(feature, p);
+  case CoreFeature::Edge:
+    return inEdgeCell(feature, p);
+  default:
+    return inVertexCell(feature, p);
+  }
+}
+
+bool CoreView::inFaceCell(CoreFeature& feature, const Vector3& p) const {
+  const std::uint32_t f = halfEdge(feature.halfEdge).facet;
+  const std::uint32_t first = facets_[f].firstHalfEdge();
+  const Vector3 n = normal(f);
+  // Compared as squares over squared edge lengths, so that nothing is normalised for the common answer
+  // "inside".
+  double deepest = 0;
+  std::uint32_t border = kNone;
+  for (std::uint32_t h = first; h < record_.halfEdgeCount && halfEdge(h).facet == f; ++h) {
+    const Vector3 a = start(h), axis = end(h) - a;
+    const double beyond = dot(p - a, cross(axis, n));
+    if (beyond <= 0) continue;
+    const double depth = beyond * beyond / lengthSquared(axis);
+    if (depth > deepest) {
+      deepest = depth;
+      border = h;
+    }
+  }
+  if (border == kNone) return true;
+  feature = {CoreFeature::Edge, border};
+  return false;
+}
+
+bool CoreView::inEdgeCell(CoreFeature& feature, const Vector3& p) const {
+  const HalfEdge h = halfEdge(feature.halfEdge), twin = halfEdge(h.twin);
+  const Vector3 a = centre(h.sphere), axis = centre(twin.sphere) - a, q = p - a;
+  const double squared = lengthSquared(axis);
+  // Four borders, each as (how far beyond it) * length.
+  const double beforeStart = -dot(q, axis);
+  const double behindEnd = -beforeStart - squared;
+  const double overFace = -dot(q, cross(axis, normal(h.facet)));
+  const double overTwin = dot(q, cross(axis, normal(twin.facet)));
+  double deepest = 0;
+  CoreFeature next = feature;
+  const auto consider = [&](double beyond, CoreFeature::Kind kind, std::uint32_t halfEdgeIndex) {
+    if (beyond > deepest) {
+      deepest = beyond;
+      next = {kind, halfEdgeIndex};
+    }
+  };
+  consider(beforeStart, CoreFeature::Vertex, feature.halfEdge);
+  consider(behindEnd, CoreFeature::Vertex, h.twin);
+  consider(overFace, CoreFeature::Face, feature.halfEdge);
+  consider(overTwin, CoreFeature::Face, h.twin);
+  if (!(deepest > 0)) return true;
+  feature = next;
+  return false;
+}
+
+bool CoreView::inVertexCell(CoreFeature& feature, const Vector3& p) const {
+  const Vector3 q = p - start(feature.halfEdge);
+  double deepest = 0;
+  std::uint32_t border = kNone;
+  std::uint32_t h = feature.halfEdge;
+  do {
+    const Vector3 axis = end(h) - start(h);
+    const double along = dot(q, axis);
+    if (along > 0) {
+      const double depth = along * along / lengthSquared(axis);
+      if (depth > deepest) {
+        deepest = depth;
+        border = h;
+      }
+    }
+    h = nextOutgoing(h);
+  } while (h != feature.halfEdge);
+  if (border == kNone) return true;
+  feature = {CoreFeature::Edge, border};
+  return false;
+}
+
+} // namespace chamfer

@@ -1,0 +1,72 @@
+// One solid's core E, read from a RoundingView: the half-edges, their neighbours, and the Voronoi cell of
+// each feature. Internal to common/; the interface for others is ray_query.h.
+#pragma once
+
+#include "common/rounding.h"
+
+#include <cstdint>
+
+namespace chamfer {
+
+/// A face, an edge or a vertex of E, named by one of its half-edges: the face on its side, itself, its start.
+struct CoreFeature {
+  enum Kind : std::uint8_t { Face, Edge, Vertex } kind;
+  std::uint32_t halfEdge; ///< local to the solid
+};
+
+class CoreView {
+public:
+  CoreView(const RoundingView& view, std::uint32_t solid)
+      : record_(view.solids[solid]), facets_(view.facets.data() + record_.firstFacet),
+        spheres_(view.spheres.data() + record_.firstSphere),
+        packed_(record_.wide() ? nullptr : view.packed.data() + record_.halfEdgeStart()),
+        wide_(record_.wide() ? view.wide.data() + record_.halfEdgeStart() : nullptr) {}
+
+  double radius() const { return record_.radius; }
+  double boundRadius() const { return record_.boundRadius; }
+  std::uint32_t halfEdgeCount() const { return record_.halfEdgeCount; }
+
+  HalfEdge halfEdge(std::uint32_t h) const {
+    if (wide_) return wide_[h];
+    return {packed_[h].sphere, packed_[h].twin, packed_[h].facet};
+  }
+  const FacetRecord& facet(std::uint32_t local) const { return facets_[local]; }
+  Vector3 normal(std::uint32_t facetLocal) const { return Vector3(facets_[facetLocal].normal); }
+  Vector3 centre(std::uint32_t sphere) const { return Vector3(spheres_[sphere]); }
+  Vector3 start(std::uint32_t h) const { return centre(halfEdge(h).sphere); }
+  Vector3 end(std::uint32_t h) const { return centre(halfEdge(halfEdge(h).twin).sphere); }
+
+  /// Next half-edge around the same face.
+  std::uint32_t next(std::uint32_t h) const {
+    const std::uint32_t f = halfEdge(h).facet;
+    if (h + 1 < record_.halfEdgeCount && halfEdge(h + 1).facet == f) return h + 1;
+    return facets_[f].firstHalfEdge();
+  }
+  /// Next half-edge with the same start.
+  std::uint32_t nextOutgoing(std::uint32_t h) const { return next(halfEdge(h).twin); }
+
+  /// Is `p` in the Voronoi cell of `feature`? If not, the neighbour across the border that `p` is farthest
+  /// beyond. The borders of all three kinds are the same planes, computed from the same numbers. \return
+  /// true: inside; false: `feature` is replaced by the neighbour.
+  bool inCell(CoreFeature& feature, const Vector3& p) const;
+
+  /// Signed distance from `p` to the border between the face of `h` and the edge `h` (positive: the edge's
+  /// side), times the length of the edge.
+  double beyondFace(std::uint32_t h, const Vector3& p) const {
+    const Vector3 a = start(h);
+    return dot(p - a, cross(end(h) - a, normal(halfEdge(h).facet)));
+  }
+
+private:
+  bool inFaceCell(CoreFeature& feature, const Vector3& p) const;
+  bool inEdgeCell(CoreFeature& feature, const Vector3& p) const;
+  bool inVertexCell(CoreFeature& feature, const Vector3& p) const;
+
+  const SolidRecord& record_;
+  const FacetRecord* facets_;
+  const Float3* spheres_;
+  const PackedHalfEdge* packed_;
+  const HalfEdge* wide_;
+};
+
+} // namespace chamfer
