@@ -79,7 +79,7 @@ std::optional<LpVector<K>> maximizeLast(std::size_t count, const Rows& row, doub
   }
   std::array<std::size_t, K> index;
   index.fill(count);
-  const double tolerance = 4e-16 * extent;
+  const double tolerance = 1e-14 * extent; // well above the rounding of a dot product of rows of order 1
   const std::size_t patience = 100 + 4 * count;
   LpVector<K> z{};
   for (std::size_t step = 0; step < 2 * patience; ++step) {

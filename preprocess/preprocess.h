@@ -1,5 +1,5 @@
-// The whole of preprocessing: a mesh in, its rounding and a report out. chamferprep is a thin main over this, and the
-// server calls it for another radius. Progress and cancellation through the callback.
+// The whole of preprocessing: a mesh in, its rounding and a report out. chamferprep is a thin main over this,
+// and the server calls it for another radius. Progress and cancellation through the callback.
 #pragma once
 
 #include "common/sidecar.h"
@@ -36,9 +36,9 @@ struct StageTimes {
 struct PreprocessReport {
   std::size_t solids = 0, facets = 0, roundedEdges = 0, spheres = 0, cornersOver3 = 0, vanishedFacets = 0;
   std::size_t sharpComponents = 0, hulledComponents = 0, clampedSolids = 0, treeNodes = 0;
-  double maxRadius = 0;       ///< largest radius that every solid admits (the smallest inradius)
+  double maxRadius = 0;           ///< largest radius that every solid admits (the smallest inradius)
   std::size_t maxRadiusSolid = 0; ///< which solid sets it
-  double nonConvexity = 0;    ///< largest accepted depth below a hull, relative to the diagonal
+  double nonConvexity = 0;        ///< largest accepted depth below a hull, relative to the diagonal
   ComponentCounts counts;
   std::vector<std::string> warnings;
   StageTimes times;
@@ -49,8 +49,8 @@ struct PreprocessResult {
   PreprocessReport report;
 };
 
-/// Throws Error(NotConvexSolid) (message names component, place and measure), Error(RadiusTooLarge) (names the solid
-/// and its largest radius).
+/// Throws Error(NotConvexSolid) (message names component, place and measure), Error(RadiusTooLarge) (names
+/// the solid and its largest radius).
 PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& options);
 
 } // namespace chamfer

@@ -1,7 +1,8 @@
-// From a mesh to its components, each a closed, consistently outward-oriented manifold surface, or a named fault.
-// Order of steps and tolerances: connected components by index first; welding by position only inside what is open
-// (soups: weld, then pair faces around edges that more than two share); degenerate triangles dropped; orientation
-// turned outward; closed, manifold and genus 0 checked. All lengths relative to each component's own diagonal.
+// From a mesh to its components, each a closed, consistently outward-oriented manifold surface, or a named
+// fault. Order of steps and tolerances: connected components by index first; welding by position only inside
+// what is open (soups: weld, then pair faces around edges that more than two share); degenerate triangles
+// dropped; orientation turned outward; closed, manifold and genus 0 checked. All lengths relative to each
+// component's own diagonal.
 #pragma once
 
 #include "preprocess/mesh.h"
@@ -12,22 +13,32 @@
 namespace chamfer {
 
 struct InputTolerances {
-  double weld = 1e-7;      ///< positions nearer than this share of the component's diagonal are one (open parts only)
+  double weld =
+      1e-7; ///< positions nearer than this share of the component's diagonal are one (open parts only)
   double planarity = 1e-6; ///< a vertex this share of the diagonal off a facet's plane still lies in it
   double convexity = 1e-4; ///< depth below the component's own hull that still counts as convex
 };
 
 enum class FaultKind : std::uint8_t {
-  Open, NonManifold, Misoriented, InsideOut, Flat, NotFinite, Concave, SelfIntersecting, TooFew, Genus
+  Open,
+  NonManifold,
+  Misoriented,
+  InsideOut,
+  Flat,
+  NotFinite,
+  Concave,
+  SelfIntersecting,
+  TooFew,
+  Genus
 };
 const char* faultWord(FaultKind kind); ///< e.g. "open", "non-manifold"
 
 /// Why a component is not a convex solid: the reason, the place and the measured size of the fault.
 struct Fault {
   FaultKind kind;
-  std::string message;  ///< one sentence with place and number, for people
-  double measure = 0;   ///< the number: count of open edges, depth relative to the diagonal, ...
-  Point3 place;         ///< mesh coordinates
+  std::string message; ///< one sentence with place and number, for people
+  double measure = 0;  ///< the number: count of open edges, depth relative to the diagonal, ...
+  Point3 place;        ///< mesh coordinates
   std::uint32_t triangle = 0xffffffffu; ///< mesh triangle nearest to the fault
 };
 
@@ -37,14 +48,16 @@ struct Component {
   std::vector<std::array<std::uint32_t, 3>> triangles; ///< outward (counter-clockwise seen from outside)
   std::vector<std::uint32_t> meshTriangle;             ///< the mesh's triangle of each
   std::vector<std::uint32_t> opposite; ///< [3 * triangle + k]: 3 * neighbour + its edge across edge k -> k+1
-  std::vector<std::uint32_t> degenerate; ///< mesh triangles dropped as zero-area; they get their neighbour's facet
+  std::vector<std::uint32_t>
+      degenerate; ///< mesh triangles dropped as zero-area; they get their neighbour's facet
   Bounds3 bounds;
   bool turned = false; ///< was inside out
   std::optional<Fault> fault;
 };
 
 struct ComponentCounts {
-  std::size_t weldedVertices = 0, degenerateTriangles = 0, turned = 0, unusedVertices = 0, duplicateTriangles = 0;
+  std::size_t weldedVertices = 0, degenerateTriangles = 0, turned = 0, unusedVertices = 0,
+              duplicateTriangles = 0;
 };
 
 struct Components {

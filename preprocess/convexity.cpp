@@ -1,0 +1,197 @@
+#include "preprocess/convexity.h"
+
+#include "preprocess/linear_program.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/convex_hull_3.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace chamfer {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using Hull = CGAL::Surface_mesh<Point>;
+
+std::vector<Plane> planesOf(const Surface& s) {
+  std::vector<Plane> planes;
+  for (const auto& t : s.triangles) {
+    const Vector3 a = s.positions[t[0]], b = s.positions[t[1]], c = s.positions[t[2]];
+    const Vector3 area = cross(b - a, c - a);
+    const double twice = length(area);
+    // A hull triangle with no area to speak of bounds nothing that its neighbours do not.
+    const double longest = std::max({lengthSquared(b - a), lengthSquared(c - b), lengthSquared(a - c)});
+    if (!(twice > 1e-12 * longest)) continue;
+    const Vector3 n = area / twice;
+    planes.push_back({n, std::max({dot(n, a), dot(n, b), dot(n, c)})});
+  }
+  return planes;
+}
+
+struct Depth {
+  double depth;
+  Vector3 place;
+};
+
+Depth depthOfTriangle(std::span<const Plane> planes, const Vector3& a, const Vector3& u, const Vector3& v,
+                      double scale) {
+  const auto row = [&](std::size_t i) -> LpRow<3> {
+    if (i == planes.size()) return {{-1, 0, 0}, 0};
+    if (i == planes.size() + 1) return {{0, -1, 0}, 0};
+    if (i == planes.size() + 2) return {{1, 1, 0}, 1};
+    const Plane& q = planes[i];
+    return {{dot(q.normal, u) / scale, dot(q.normal, v) / scale, 1}, (q.offset - dot(q.normal, a)) / scale};
+  };
+  const auto z = maximizeLast<3>(planes.size() + 3, row, 4.0);
+  return z ? Depth{(*z)[2] * scale, a + u * (*z)[0] + v * (*z)[1]} : Depth{0, a};
+}
+
+double volume6(const Surface& s) {
+  double sum = 0;
+  for (const auto& t : s.triangles)
+    sum += dot(s.positions[t[0]], cross(s.positions[t[1]], s.positions[t[2]]));
+  return sum;
+}
+
+Surface toSurface(const Hull& hull) {
+  Surface s;
+  s.positions.resize(hull.num_vertices());
+  for (const auto v : hull.vertices()) {
+    const Point& p = hull.point(v);
+    s.positions[std::size_t(v)] = {p.x(), p.y(), p.z()};
+  }
+  std::vector<std::uint32_t> slot(hull.num_halfedges(), 0);
+  for (const auto f : hull.faces()) {
+    auto h = hull.halfedge(f);
+    std::array<std::uint32_t, 3> t{};
+    for (std::uint32_t k = 0; k < 3; ++k, h = hull.next(h)) {
+      t[k] = std::uint32_t(hull.source(h));
+      slot[std::size_t(h)] = std::uint32_t(3 * s.triangles.size() + k);
+    }
+    s.triangles.push_back(t);
+  }
+  s.opposite.resize(3 * s.triangles.size());
+  for (const auto h : hull.halfedges())
+    s.opposite[slot[std::size_t(h)]] = slot[std::size_t(hull.opposite(h))];
+  return s;
+}
+
+/// Which of a surface's triangles are themselves the hull's, by position: their depth is zero.
+class OnHull {
+public:
+  explicit OnHull(const Surface& hull) {
+    for (std::uint32_t v = 0; v < hull.positions.size(); ++v)
+      index_.emplace(key(hull.positions[v]), v);
+    for (const auto& t : hull.triangles)
+      triangles_.insert(sorted(t[0], t[1], t[2]));
+  }
+  std::uint32_t vertex(const Vector3& p) const {
+    const auto found = index_.find(key(p));
+    return found == index_.end() ? 0xffffffffu : found->second;
+  }
+  bool triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    return triangles_.count(sorted(a, b, c)) != 0;
+  }
+
+private:
+  static std::array<double, 3> key(const Vector3& p) { return {p.x, p.y, p.z}; }
+  static std::array<std::uint32_t, 3> sorted(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    std::array<std::uint32_t, 3> t{a, b, c};
+    std::sort(t.begin(), t.end());
+    return t;
+  }
+  std::map<std::array<double, 3>, std::uint32_t> index_;
+  std::set<std::array<std::uint32_t, 3>> triangles_;
+};
+
+} // namespace
+
+bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance) {
+  const std::size_t work = polytope.facets.size() * surface.positions.size();
+  if (work > 4'000'000 || polytope.facets.size() < 4) return false;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& v = surface.triangles[t];
+    if (polytope.facetOfTriangle[t] >= polytope.facets.size()) return false;
+    const Vector3 a = surface.positions[v[0]], u = surface.positions[v[1]] - a,
+                  w = surface.positions[v[2]] - a;
+    const Vector3 area = cross(u, w);
+    const double longest = std::max({lengthSquared(u), lengthSquared(w), lengthSquared(w - u)});
+    // A sliver lower than the tolerance has no side of its own.
+    if (lengthSquared(area) > longest * tolerance * tolerance * 16 &&
+        dot(area, polytope.facets[polytope.facetOfTriangle[t]].normal) < 0)
+      return false;
+  }
+  for (Plane& plane : polytope.facets) {
+    double farthest = plane.offset;
+    for (const Vector3& p : surface.positions)
+      farthest = std::max(farthest, dot(plane.normal, p));
+    if (farthest > plane.offset + tolerance) return false;
+    plane.offset = farthest;
+  }
+  return true;
+}
+
+std::optional<HullResult> hullOf(const Surface& surface) {
+  std::vector<Point> points;
+  points.reserve(surface.positions.size());
+  for (const Vector3& p : surface.positions)
+    points.emplace_back(p.x, p.y, p.z);
+  Hull hull;
+  CGAL::convex_hull_3(points.begin(), points.end(), hull);
+  if (hull.number_of_faces() < 4 || !CGAL::is_closed(hull)) return std::nullopt;
+  HullResult result{toSurface(hull), {}};
+  const double hullVolume = volume6(result.hull);
+  if (!(hullVolume > 0)) return std::nullopt;
+  result.verdict.coverage = volume6(surface) / hullVolume;
+
+  const std::vector<Plane> planes = planesOf(result.hull);
+  const OnHull onHull(result.hull);
+  std::vector<std::uint32_t> name(surface.positions.size());
+  Bounds3 bounds;
+  for (std::size_t v = 0; v < name.size(); ++v) {
+    name[v] = onHull.vertex(surface.positions[v]);
+    bounds.extend(Point3(surface.positions[v]));
+  }
+  const double scale = bounds.diagonal();
+  HullVerdict& verdict = result.verdict;
+  const auto consider = [&](const Depth& d, std::size_t t) {
+    if (d.depth > verdict.depth) {
+      verdict.depth = d.depth;
+      verdict.place = d.place;
+      verdict.triangle = std::uint32_t(t);
+    }
+  };
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& v = surface.triangles[t];
+    const std::uint32_t n[3] = {name[v[0]], name[v[1]], name[v[2]]};
+    if (onHull.triangle(n[0], n[1], n[2])) continue;
+    const Vector3 a = surface.positions[v[0]], b = surface.positions[v[1]], c = surface.positions[v[2]];
+    // The depth is concave along an edge and over a face, so the face's maximum covers its edges and corners.
+    consider(depthOfTriangle(planes, a, b - a, c - a, scale), t);
+  }
+  return result;
+}
+
+std::vector<std::uint32_t> nearestFacets(const Surface& surface, const Polytope& polytope) {
+  std::vector<std::uint32_t> nearest(surface.triangles.size(), 0);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    double best = INFINITY;
+    for (std::uint32_t f = 0; f < polytope.facets.size(); ++f) {
+      const Plane& q = polytope.facets[f];
+      double deepest = 0;
+      for (const std::uint32_t v : surface.triangles[t])
+        deepest = std::max(deepest, q.offset - dot(q.normal, surface.positions[v]));
+      if (deepest < best) {
+        best = deepest;
+        nearest[t] = f;
+      }
+    }
+  }
+  return nearest;
+}
+
+} // namespace chamfer
