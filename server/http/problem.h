@@ -1,0 +1,53 @@
+// Errors as clients see them: application/problem+json (RFC 9457) with the offending parameter, its value and
+// its limits. This is the one border where errors become answers.
+#pragma once
+
+#include "common/error.h"
+#include "server/http/message.h"
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace chamfer::http {
+
+/// What an answer says about an error. Nothing in it may come from a library's message or name a path of the
+/// server.
+struct Problem {
+  int status = 500;
+  std::string kind = "internal"; ///< short stable word; `type` is "urn:chamfer:problem:" and this word
+  std::string detail{};          ///< one sentence: what, the number, and the fix
+  std::string parameter{};       ///< empty: none
+  std::string value{};           ///< as the client sent it; only with a parameter
+  std::string limits{};          ///< JSON text of an object; empty: none
+  std::string allow{};           ///< 405: value of the Allow header
+  int retryAfterSeconds = 0;     ///< above 0: Retry-After
+  bool close = false;            ///< the connection cannot be used further
+};
+
+/// Thrown by parsers and routes.
+class ProblemError : public std::runtime_error {
+public:
+  explicit ProblemError(Problem problem) : std::runtime_error(problem.detail), problem_(std::move(problem)) {}
+  const Problem& problem() const { return problem_; }
+
+private:
+  Problem problem_;
+};
+
+Problem badRequest(std::string detail);
+Problem notFound(std::string detail);
+Problem methodNotAllowed(std::string allow);
+Problem unsupportedMedia(std::string detail);
+/// 503: try again after `retryAfterSeconds`.
+Problem busy(std::string detail, int retryAfterSeconds);
+
+/// The table's status and word for an Error; its message is ours, `root` (the served folder) is cut out of
+/// it.
+Problem problemOf(const Error& error, const std::string& root);
+/// `message` with every mention of the folder `root` removed, so that only names below it remain.
+std::string withoutRoot(std::string message, const std::string& root);
+
+Response toResponse(const Problem& problem, const std::string& requestId);
+
+} // namespace chamfer::http

@@ -1,0 +1,62 @@
+// Every parameter of the interface, one row each: where it stands, kind, unit, default, limits. The parsers
+// check against these rows, errors quote them, and /v1/info prints them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace chamfer::http {
+
+enum class ParameterKind : std::uint8_t { Integer, Number, Numbers, Word };
+
+struct ParameterRow {
+  std::string_view name;
+  std::string_view where; ///< "path", "query" or "body"; "query, body" when both
+  ParameterKind kind;
+  std::string_view unit;     ///< empty: none
+  std::string_view fallback; ///< what holds when it is absent; empty: it must be given
+  double minimum = 0;        ///< Integer and Number
+  double maximum = 0;
+  bool aboveMinimum = false; ///< the minimum itself is outside
+  std::string_view words;    ///< Word: the words, '|' between them. Numbers: the names of the numbers
+  std::string_view about;
+};
+
+/// Work that one request may ask for.
+inline constexpr std::uint64_t kMaxTilePixels = 1u << 20;
+inline constexpr std::uint64_t kMaxFramePixels = 1u << 24;
+/// Pixels times samples of one request.
+inline constexpr std::uint64_t kMaxRequestSamples = std::uint64_t{1} << 31;
+inline constexpr std::size_t kMaxRays = 100'000;
+/// Body of one request: kMaxRays rays at full precision fit twice.
+inline constexpr std::size_t kMaxBodyBytes = 32u << 20;
+inline constexpr std::size_t kMaxHeadBytes = 16u << 10;
+inline constexpr std::size_t kMaxTargetBytes = 4096;
+
+std::span<const ParameterRow> parameterRows();
+/// The row of that name; it must exist.
+const ParameterRow& parameterRow(std::string_view name);
+/// JSON text of the row's limits, for problem.h.
+std::string limitsJson(const ParameterRow& row);
+const char* kindWord(ParameterKind kind);
+
+/// Whole decimal number: digits only, no sign, blank or leading zero. Throws ProblemError: 400 when it is no
+/// such number, 422 when it is outside the row's limits.
+std::uint32_t readInteger(const ParameterRow& row, std::string_view text);
+/// Decimal number, "1e-3" included; finite. Throws as readInteger().
+double readNumber(const ParameterRow& row, std::string_view text);
+/// Checks a number from elsewhere (JSON) against the row. Throws ProblemError (422).
+void checkNumber(const ParameterRow& row, double value);
+
+/// ProblemErrors that name the row, the value and the limits.
+[[noreturn]] void throwSyntax(const ParameterRow& row, std::string_view value, const std::string& detail);
+[[noreturn]] void throwRange(const ParameterRow& row, std::string_view value, const std::string& detail);
+
+/// Shortest decimal text that reads back as the same double.
+std::string numberText(double value);
+
+} // namespace chamfer::http
