@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace chamfer {
 
@@ -40,8 +42,16 @@ public:
   Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
   ErrorKind kind() const { return kind_; }
 
+  /// Adds a number for programs, under a snake_case key: what the message says in words.
+  Error& with(const std::string& key, double value) {
+    details_.emplace_back(key, value);
+    return *this;
+  }
+  const std::vector<std::pair<std::string, double>>& details() const { return details_; }
+
 private:
   ErrorKind kind_;
+  std::vector<std::pair<std::string, double>> details_;
 };
 
 } // namespace chamfer

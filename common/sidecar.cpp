@@ -189,6 +189,12 @@ std::shared_ptr<const Rounding> parseSidecar(std::span<const std::byte> bytes, c
   return std::make_shared<ParsedRounding>(bytes, expected);
 }
 
+std::size_t serializedSize(const Rounding& rounding) {
+  std::size_t size = kHeader;
+  eachSection(rounding.view(), [&](const auto& section) { size += padded(section.size_bytes()); });
+  return size;
+}
+
 std::size_t writeSidecar(const std::filesystem::path& path, const Rounding& rounding) {
   const std::vector<std::byte> bytes = serialize(rounding);
   const std::string target = path.string();

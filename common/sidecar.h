@@ -45,6 +45,9 @@ std::shared_ptr<const Rounding> makeRounding(RoundingArrays arrays, const Digest
 /// file's size. Throws Error(CannotWrite).
 std::size_t writeSidecar(const std::filesystem::path& path, const Rounding& rounding);
 
+/// The size that writeSidecar would write.
+std::size_t serializedSize(const Rounding& rounding);
+
 /// Maps and checks a sidecar: sizes, section table, checksums, every index, every float. Throws
 /// Error(DamagedSidecar), Error(NotFound), or Error(StaleSidecar) when `expected` is given and is not the
 /// file's mesh digest.

@@ -1,0 +1,180 @@
+#include "preprocess/cli/prep_command.h"
+
+#include "common/error.h"
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace chamfer {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+struct Outcome {
+  PreprocessReport report;
+  std::filesystem::path sidecar;
+  std::size_t sidecarBytes = 0;
+  double readSeconds = 0, seconds = 0;
+};
+
+/// One line on a terminal, from the first second on.
+class ProgressLine {
+public:
+  explicit ProgressLine(bool wanted) : on_(wanted && ::isatty(STDERR_FILENO)) {}
+  ~ProgressLine() {
+    if (shown_) std::fputs("\r\033[K", stderr);
+  }
+  void operator()(const char* stage, double share) {
+    if (!on_) return;
+    const std::lock_guard lock(mutex_);
+    const auto now = Clock::now();
+    if (now - start_ < std::chrono::seconds(1) || now - last_ < std::chrono::milliseconds(100)) return;
+    last_ = now;
+    shown_ = true;
+    const int filled = int(share * 30);
+    std::fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", stage, filled, "##############################",
+                 30 - filled, "", int(share * 100));
+  }
+
+private:
+  bool on_, shown_ = false;
+  std::mutex mutex_;
+  Clock::time_point start_ = Clock::now(), last_{};
+};
+
+std::filesystem::path sidecarPath(const PrepCommandOptions& options, const std::filesystem::path& mesh) {
+  std::filesystem::path beside = mesh;
+  beside += ".chamfer";
+  if (options.output.empty()) return beside;
+  if (options.meshes.size() > 1 || std::filesystem::is_directory(options.output))
+    return options.output / beside.filename();
+  return options.output;
+}
+
+Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path& path) {
+  const auto seconds = [](Clock::time_point since) {
+    return std::chrono::duration<double>(Clock::now() - since).count();
+  };
+  ProgressLine progress(!options.quiet && !options.json);
+  Outcome outcome;
+  const auto start = Clock::now();
+  progress("reading", 0);
+  const TriangleMesh mesh = readMesh(path);
+  outcome.readSeconds = seconds(start);
+  PreprocessOptions preprocessOptions = options.preprocess;
+  preprocessOptions.progress = [&](const char* stage, double share) { progress(stage, share); };
+  const auto read = Clock::now();
+  const PreprocessResult result = preprocess(mesh, preprocessOptions);
+  outcome.seconds = seconds(read);
+  outcome.report = result.report;
+  outcome.sidecar = sidecarPath(options, path);
+  outcome.sidecarBytes =
+      options.dryRun ? serializedSize(*result.rounding) : writeSidecar(outcome.sidecar, *result.rounding);
+  return outcome;
+}
+
+Json toJson(const std::filesystem::path& mesh, const PrepCommandOptions& options, const Outcome& o) {
+  const PreprocessReport& r = o.report;
+  return Json{{"mesh", mesh.string()},
+              {"sidecar", options.dryRun ? Json(nullptr) : Json(o.sidecar.string())},
+              {"solids", r.solids},
+              {"facets", r.facets},
+              {"rounded_edges", r.roundedEdges},
+              {"spheres", r.spheres},
+              {"corners_over_3", r.cornersOver3},
+              {"max_radius", r.maxRadius},
+              {"max_radius_solid", r.maxRadiusSolid + 1},
+              {"sidecar_bytes", o.sidecarBytes},
+              {"seconds", o.seconds},
+              {"read_seconds", o.readSeconds},
+              {"vanished_facets", r.vanishedFacets},
+              {"sharp_components", r.sharpComponents},
+              {"hulled_components", r.hulledComponents},
+              {"clamped_solids", r.clampedSolids},
+              {"nonconvexity", r.nonConvexity},
+              {"tree_nodes", r.treeNodes},
+              {"welded_vertices", r.counts.weldedVertices},
+              {"unused_vertices", r.counts.unusedVertices},
+              {"degenerate_triangles", r.counts.degenerateTriangles},
+              {"duplicate_triangles", r.counts.duplicateTriangles},
+              {"turned_components", r.counts.turned},
+              {"thread_seconds",
+               {{"components", r.times.components},
+                {"facets", r.times.facets},
+                {"convexity", r.times.convexity},
+                {"core", r.times.core},
+                {"detection", r.times.detection},
+                {"pack", r.times.pack}}},
+              {"warnings", r.warnings}};
+}
+
+void printReport(const std::filesystem::path& mesh, const PrepCommandOptions& options, const Outcome& o) {
+  const PreprocessReport& r = o.report;
+  std::printf("%s: %zu solids, %zu facets, %zu rounded edges, %zu spheres\n", mesh.c_str(), r.solids,
+              r.facets, r.roundedEdges, r.spheres);
+  std::printf("  corners of more than 3 facets %zu, vanished facets %zu, largest radius below %.9g\n",
+              r.cornersOver3, r.vanishedFacets, r.maxRadius);
+  const ComponentCounts& c = r.counts;
+  if (c.weldedVertices + c.unusedVertices + c.degenerateTriangles + c.duplicateTriangles + c.turned > 0)
+    std::printf(
+        "  welded %zu vertices, unused %zu; dropped %zu degenerate and %zu duplicate triangles; turned %zu "
+        "components outward\n",
+        c.weldedVertices, c.unusedVertices, c.degenerateTriangles, c.duplicateTriangles, c.turned);
+  if (r.nonConvexity > 0) std::printf("  deepest below a hull, in diagonals: %.3g\n", r.nonConvexity);
+  if (r.sharpComponents + r.hulledComponents + r.clampedSolids > 0)
+    std::printf("  kept sharp %zu, rounded as hull %zu, radius clamped on %zu\n", r.sharpComponents,
+                r.hulledComponents, r.clampedSolids);
+  std::printf("  %s%s: %zu bytes (%.1f per rounded edge), %.4f s after reading for %.4f s\n",
+              options.dryRun ? "not written, " : "", o.sidecar.c_str(), o.sidecarBytes,
+              r.roundedEdges ? double(o.sidecarBytes) / double(r.roundedEdges) : 0.0, o.seconds,
+              o.readSeconds);
+  for (const std::string& w : r.warnings)
+    std::printf("  warning: %s\n", w.c_str());
+}
+
+Json errorJson(const std::filesystem::path& mesh, const char* word, const std::string& message, int status,
+               const std::vector<std::pair<std::string, double>>& details) {
+  Json error{{"kind", word}, {"message", message}, {"exit_status", status}};
+  for (const auto& [key, value] : details)
+    error[key] = value;
+  return Json{{"mesh", mesh.string()}, {"error", error}};
+}
+
+std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
+
+} // namespace
+
+int runPrepCommand(const PrepCommandOptions& options) {
+  int status = 0;
+  Json all = Json::array();
+  for (const auto& mesh : options.meshes) {
+    const auto failed = [&](const char* word, const std::string& message, int exit,
+                            const std::vector<std::pair<std::string, double>>& details) {
+      if (status == 0) status = exit;
+      std::fprintf(stderr, "chamferprep: %s: %s\n", mesh.c_str(), message.c_str());
+      if (options.json) all.push_back(errorJson(mesh, word, message, exit, details));
+    };
+    try {
+      const Outcome outcome = roundOne(options, mesh);
+      if (options.json)
+        all.push_back(toJson(mesh, options, outcome));
+      else if (!options.quiet)
+        printReport(mesh, options, outcome);
+    } catch (const Error& e) {
+      failed(errorWord(e.kind()), e.what(), exitStatus(e.kind()), e.details());
+    } catch (const std::bad_alloc&) {
+      failed("internal", "out of memory", 1, {});
+    } catch (const std::exception& e) {
+      failed("internal", std::string("a defect of chamferprep: ") + e.what(), 1, {});
+    }
+  }
+  if (options.json) std::cout << dump(all.size() == 1 ? all[0] : all) << '\n';
+  return status;
+}
+
+} // namespace chamfer

@@ -1,0 +1,27 @@
+// kd-trees over the detection cylinders of facets with many edges.
+#pragma once
+
+#include "common/rounding.h"
+#include "preprocess/core.h"
+
+namespace chamfer {
+
+/// A facet with at most this many cylinders is its own leaf: its loop is read in one go, without a tree.
+inline constexpr std::size_t kLoopIsLeaf = 8;
+
+/// One facet's tree; node and leaf indices count from the tree's own beginning.
+struct DetectionTree {
+  std::vector<TreeNode> nodes;       ///< the root is nodes[0]
+  std::vector<std::uint32_t> leaves; ///< half-edges, local to the solid
+};
+
+/// Tree for points of one facet, which lie within `domain` (solid's frame). `loop`: E's vertices around the
+/// facet's face; the half-edges are firstHalfEdge, firstHalfEdge + 1, ... in the loop's order. A node is
+/// split along the longer side of its part of the facet; a leaf keeps the cylinders that can be the deepest
+/// one at some point of it, so that both the zone test and the start of the walk are right with the leaf
+/// alone.
+DetectionTree buildDetectionTree(const Plane& facet, std::span<const Vector3> vertices,
+                                 std::span<const std::uint32_t> loop, std::uint32_t firstHalfEdge,
+                                 const Bounds3& domain);
+
+} // namespace chamfer

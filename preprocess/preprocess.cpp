@@ -1,0 +1,184 @@
+#include "preprocess/preprocess.h"
+
+#include "common/error.h"
+#include "preprocess/round_solid.h"
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace chamfer {
+namespace {
+
+std::string lengthText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+void add(StageTimes& to, const StageTimes& t) {
+  to.convexity += t.convexity;
+  to.facets += t.facets;
+  to.core += t.core;
+  to.detection += t.detection;
+}
+
+[[noreturn]] void refuseFaults(const Components& components, const std::vector<RoundedSolid>& solids) {
+  std::size_t first = solids.size(), count = 0;
+  for (std::size_t i = solids.size(); i-- > 0;)
+    if (solids[i].fault) {
+      first = i;
+      ++count;
+    }
+  const Fault& fault = *solids[first].fault;
+  std::string message = "component " + std::to_string(first + 1) + " of " +
+                        std::to_string(components.list.size()) + " is not a closed convex solid (" +
+                        faultWord(fault.kind) + "): " + fault.message;
+  if (fault.triangle != kNone) message += "; nearest triangle " + std::to_string(fault.triangle);
+  if (count > 1) message += "; " + std::to_string(count - 1) + " more components are refused, too";
+  message +=
+      ". --on-nonconvex sharp leaves such components sharp, hull rounds a closed one as its convex hull";
+  throw Error(ErrorKind::NotConvexSolid, message)
+      .with("component", double(first + 1))
+      .with("triangle", fault.triangle)
+      .with("measure", fault.measure)
+      .with("x", fault.place.x)
+      .with("y", fault.place.y)
+      .with("z", fault.place.z);
+}
+
+[[noreturn]] void refuseRadius(const std::vector<RoundedSolid>& solids) {
+  std::size_t worst = solids.size(), count = 0;
+  for (std::size_t i = 0; i < solids.size(); ++i)
+    if (solids[i].radiusTooLarge) {
+      ++count;
+      if (worst == solids.size() || solids[i].inradius < solids[worst].inradius) worst = i;
+    }
+  const RoundedSolid& s = solids[worst];
+  const double largest = 0.999 * s.inradius;
+  std::string message = "radius " + lengthText(s.radius) + " is too large for solid " +
+                        std::to_string(worst + 1) + ", whose inradius is " + lengthText(s.inradius) +
+                        ": the largest radius that works is " + lengthText(largest);
+  if (count > 1) message += " (" + std::to_string(count) + " solids are too small)";
+  message += ". --clamp 0.9 rounds each solid with at most 0.9 of its own inradius";
+  throw Error(ErrorKind::RadiusTooLarge, message)
+      .with("solid", double(worst + 1))
+      .with("radius", s.radius)
+      .with("inradius", s.inradius)
+      .with("max_radius", largest);
+}
+
+} // namespace
+
+Radius parseRadius(std::string_view text) {
+  Radius radius;
+  std::string_view digits = text;
+  if (digits.ends_with('%')) {
+    radius.relative = true;
+    digits.remove_suffix(1);
+  }
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), radius.value);
+  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(radius.value) ||
+      !(radius.value > 0))
+    throw Error(ErrorKind::Usage,
+                "radius '" + std::string(text) +
+                    "' is not a number above 0: write a length such as 0.1, or a share of each "
+                    "solid's diagonal such as 2%");
+  if (radius.relative) radius.value /= 100;
+  return radius;
+}
+
+PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  };
+  const auto progress = [&](const char* stage, double share) {
+    if (options.progress) options.progress(stage, share);
+  };
+  PreprocessResult result;
+  PreprocessReport& report = result.report;
+
+  progress("components", 0);
+  auto start = Clock::now();
+  const Components components = splitComponents(mesh, options.tolerances, options.threads);
+  report.times.components = since(start);
+  report.counts = components.counts;
+  report.warnings = mesh.warnings;
+  if (components.list.empty())
+    throw Error(ErrorKind::NotConvexSolid, "the mesh has no triangles, so there is no solid to round");
+
+  const std::size_t count = components.list.size();
+  std::vector<RoundedSolid> solids(count);
+  std::atomic<std::size_t> done{0};
+  tbb::enumerable_thread_specific<StageTimes> times;
+  tbb::task_arena arena(options.threads ? int(options.threads) : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i)
+        solids[i] = roundSolid(components.list[i], options, times.local());
+      done += range.size();
+      progress("rounding", double(done) / double(count));
+    });
+  });
+  for (const StageTimes& t : times)
+    add(report.times, t);
+
+  const bool keepSharp = options.onNonConvex != OnNonConvex::Error;
+  const auto any = [&](auto&& what) { return std::any_of(solids.begin(), solids.end(), what); };
+  if (!keepSharp && any([](const RoundedSolid& s) { return s.fault.has_value(); }))
+    refuseFaults(components, solids);
+  // "hull" rounds closed components; one that is not even closed has no inside and is still refused.
+  if (options.onNonConvex == OnNonConvex::Hull &&
+      any([](const RoundedSolid& s) { return s.fault.has_value(); }))
+    refuseFaults(components, solids);
+  if (any([](const RoundedSolid& s) { return s.radiusTooLarge; })) refuseRadius(solids);
+
+  progress("packing", 0);
+  start = Clock::now();
+  RoundingArrays arrays;
+  arrays.facetOfTriangle.assign(mesh.triangles.size(), kNone);
+  report.maxRadius = INFINITY;
+  for (std::size_t i = 0; i < count; ++i) {
+    const RoundedSolid& s = solids[i];
+    if (s.fault) {
+      ++report.sharpComponents;
+      report.warnings.push_back("component " + std::to_string(i + 1) + " stays sharp (" +
+                                faultWord(s.fault->kind) + "): " + s.fault->message);
+      continue;
+    }
+    const auto firstFacet = std::uint32_t(arrays.facets.size());
+    appendSolid(arrays, s, components.list[i].meshTriangle);
+    for (const std::uint32_t t : components.list[i].degenerate)
+      arrays.facetOfTriangle[t] = firstFacet;
+    ++report.solids;
+    report.facets += s.facets.size();
+    report.roundedEdges += s.core.loops.items.size() / 2;
+    report.spheres += s.core.vertices.size();
+    report.cornersOver3 += s.cornersOver3;
+    report.hulledComponents += s.usedHull;
+    report.clampedSolids += s.clamped;
+    report.nonConvexity = std::max(report.nonConvexity, s.depth);
+    if (s.inradius < report.maxRadius) {
+      report.maxRadius = s.inradius;
+      report.maxRadiusSolid = i;
+    }
+    for (std::size_t f = 0; f < s.core.loops.size(); ++f)
+      report.vanishedFacets += s.core.loops[f].empty();
+  }
+  if (report.solids == 0) report.maxRadius = 0;
+  finishArrays(arrays);
+  report.treeNodes = arrays.treeNodes.size();
+  result.rounding = makeRounding(std::move(arrays), geometryDigest(mesh));
+  report.times.pack = since(start);
+  progress("packing", 1);
+  return result;
+}
+
+} // namespace chamfer

@@ -1,0 +1,44 @@
+// One solid, from its closed surface to everything that rounding it needs; and the packing of many into one
+// Rounding.
+#pragma once
+
+#include "common/sidecar.h"
+#include "preprocess/core.h"
+#include "preprocess/detection_tree.h"
+#include "preprocess/preprocess.h"
+
+#include <optional>
+
+namespace chamfer {
+
+struct FacetTree {
+  std::uint32_t facet;
+  DetectionTree tree;
+};
+
+/// A rounded solid before packing, in its own frame.
+struct RoundedSolid {
+  Vector3 origin; ///< mesh coordinates
+  double radius = 0, inradius = 0, boundRadius = 0;
+  std::vector<Plane> facets;
+  Core core;
+  std::vector<FacetTree> trees;               ///< ascending facet
+  std::vector<std::uint32_t> facetOfTriangle; ///< of the component's triangles
+  std::size_t cornersOver3 = 0;
+  double depth = 0; ///< accepted depth below the hull, relative to the diagonal
+  bool usedHull = false, clamped = false;
+  std::optional<Fault> fault;  ///< not a convex solid
+  bool radiusTooLarge = false; ///< inradius is set
+};
+
+/// Never throws for what the component is like: it says so in the result. `times`: thread time is added.
+RoundedSolid roundSolid(const Component& component, const PreprocessOptions& options, StageTimes& times);
+
+/// Adds one solid at the end of the arrays; `meshTriangles`: the mesh triangle of each of the solid's. The
+/// arrays' facetOfTriangle must have the mesh's size already.
+void appendSolid(RoundingArrays& arrays, const RoundedSolid& solid,
+                 std::span<const std::uint32_t> meshTriangles);
+/// Ends the ranges; to be called once after the last solid.
+void finishArrays(RoundingArrays& arrays);
+
+} // namespace chamfer
