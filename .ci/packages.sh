@@ -1,0 +1,39 @@
+# Sourced by ./start and ./check: install_packages installs what packages.txt lists and this machine lacks.
+
+# Prints the packages of a list (file $1) that are not installed, one a line.
+missing_packages() {
+  local line package command
+  while IFS= read -r line; do
+    line="${line%%#*}"
+    line="${line//[[:space:]]/}"
+    [ -n "$line" ] || continue
+    package="${line%%:*}"
+    command=""
+    case "$line" in *:*) command="${line#*:}" ;; esac
+    if [ -n "$command" ] && command -v "$command" >/dev/null; then continue; fi
+    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ]; then continue; fi
+    printf '%s\n' "$package"
+  done <"$1"
+}
+
+install_packages() {
+  local list="$1" packages=() as_root=()
+  if ! command -v dpkg-query >/dev/null; then
+    echo "This is not a Debian system; install by hand what $list names, then go on." >&2
+    return 0
+  fi
+  mapfile -t packages < <(missing_packages "$list")
+  [ "${#packages[@]}" -gt 0 ] || return 0
+
+  echo "Installing ${#packages[@]} missing packages: ${packages[*]}"
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+      echo "error: not root and no sudo; run as root: apt-get install ${packages[*]}" >&2
+      return 1
+    fi
+    as_root=(sudo)
+  fi
+  "${as_root[@]}" apt-get update -q </dev/null
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -q --no-install-recommends "${packages[@]}" </dev/null
+}

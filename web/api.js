@@ -1,0 +1,94 @@
+// The server's HTTP interface as the page uses it. Every call takes an AbortSignal and fails with a ServerError.
+import { decodeTile } from './tiles.js';
+import { cameraText } from './viewstate.js';
+
+/** What went wrong, in words for the viewer. `status` 0: no answer at all. */
+export class ServerError extends Error {
+  constructor(message, { status = 0, retryAfter = null } = {}) {
+    super(message);
+    this.name = 'ServerError';
+    this.status = status;
+    /** Seconds after which the server asks to be tried again, or null. */
+    this.retryAfter = retryAfter;
+  }
+
+  /** Worth trying again: busy, draining, or unreachable. */
+  get passing() {
+    return [0, 429, 502, 503, 504].includes(this.status);
+  }
+}
+
+async function request(url, options) {
+  let response;
+  try {
+    response = await fetch(url, options);
+  } catch (cause) {
+    if (cause.name === 'AbortError') throw cause;
+    throw new ServerError('The server does not answer.');
+  }
+  if (response.ok) return response;
+  throw await problemOf(response);
+}
+
+async function problemOf(response) {
+  let words = `The server answered ${response.status} ${response.statusText}`.trim();
+  const text = await response.text().catch(() => '');
+  try {
+    const problem = JSON.parse(text);
+    words = problem.detail ?? problem.title ?? words;
+  } catch {
+    // Not from chamferd (a proxy, perhaps): the status line has to do.
+  }
+  const seconds = Number(response.headers.get('Retry-After'));
+  const retryAfter = response.headers.has('Retry-After') && Number.isFinite(seconds) ? seconds : null;
+  return new ServerError(words, { status: response.status, retryAfter });
+}
+
+const getJson = async (url, signal) => (await request(url, { signal })).json();
+
+/** Version, limits, formats. */
+export const fetchInfo = (signal) => getJson('v1/info', signal);
+
+/** All scenes: [{name, id, triangles, rounded_edges, radius: {current, max}, state, ...}]. */
+export const fetchScenes = (signal) => getJson('v1/scenes', signal);
+
+/** One scene with its camera, in the page's form: {..., camera: {eye, target, up, vfovDegrees}}. */
+export async function fetchScene(id, signal) {
+  const scene = await getJson(`v1/scenes/${encodeURIComponent(id)}`, signal);
+  const { eye, target, up, vfov_degrees: vfovDegrees } = scene.camera;
+  return { ...scene, camera: { eye, target, up, vfovDegrees } };
+}
+
+/**
+ * Address of a tile, a pure function of its arguments. `view`: {sceneId, camera, rounding, radius}; `frame`: {width,
+ * height}; `tile`: {x, y, width, height}; `range`: [first, end).
+ */
+export function tileUrl(view, frame, tile, [first, end]) {
+  const query = [`camera=${cameraText(view.camera)}`, `rounding=${view.rounding}`];
+  if (view.radius !== null && view.rounding !== 'none') query.push(`radius=${Number(view.radius.toPrecision(6))}`);
+  const rectangle = [tile.x, tile.y, tile.width, tile.height].join(',');
+  const size = `${frame.width}x${frame.height}`;
+  const scene = encodeURIComponent(view.sceneId);
+  return `v1/scenes/${scene}/tiles/${size}/${rectangle}/${first}-${end}.f16?${query.join('&')}`;
+}
+
+/** A tile's pixels, and how many of its rays hit anything and a rounding: {width, height, samples, rgba, rays, rounded}. */
+export async function fetchTile(url, signal) {
+  const response = await request(url, { signal });
+  const count = (name) => Number(response.headers.get(name)) || 0;
+  const tile = decodeTile(await response.arrayBuffer());
+  return { ...tile, rays: count('X-Chamfer-Rays'), rounded: count('X-Chamfer-Rounded') };
+}
+
+/** First hit of one ray with the scene's own instances, or null. `view` as in tileUrl(). */
+export async function fetchHit(view, { origin, direction }, signal) {
+  const body = { rays: [[...origin, ...direction]], rounding: view.rounding };
+  if (view.radius !== null && view.rounding !== 'none') body.radius = view.radius;
+  const response = await request(`v1/scenes/${encodeURIComponent(view.sceneId)}/rays`, {
+    method: 'POST',
+    headers: { 'Content-Type': 'application/json' },
+    body: JSON.stringify(body),
+    signal,
+  });
+  return (await response.json()).hits[0] ?? null;
+}

@@ -1,0 +1,222 @@
+// The page: joins the address, the panel, the input on the picture, and the renderer. One state object says what is
+// shown; everything else follows from it.
+import { fetchHit, fetchScene, fetchScenes, ServerError } from './api.js';
+import { distance, isInside, keepInside, orbit, pan, pixelRay, zoom } from './camera.js';
+import { listen } from './input.js';
+import { offerDownload, Panel } from './panel.js';
+import { RadiusScale } from './radius.js';
+import { Renderer } from './renderer.js';
+import { decodeView, encodeView } from './viewstate.js';
+
+const SAMPLES = 256;
+const LARGEST_PICTURE = 1_100_000; // pixels; more would only make the first picture late
+const RELOAD_MS = 3000; // while scenes are loading, or the server is away
+const ROOM_MARGIN = 0.03;
+const ZOOM_RANGE = [0.02, 20]; // of the distance with which a scene starts
+
+const canvas = document.getElementById('picture');
+const renderer = new Renderer(canvas, { total: SAMPLES, onStatus: showStatus });
+const panel = new Panel({ scene: pickScene, rounding: setRounding, radius: moveRadius, resetRadius, resetCamera });
+
+const state = {
+  scenes: [],
+  scene: null, // details of the one that is shown
+  camera: null,
+  radius: null, // null: the scene's own
+  rounding: 'analytic',
+  scale: null, // RadiusScale, null where nothing is rounded
+  ownHash: '', // the address as this page wrote it
+  inspection: new AbortController(),
+};
+
+// ---- scenes
+
+async function loadScenes() {
+  try {
+    state.scenes = await fetchScenes();
+  } catch (error) {
+    sayProblem(error);
+    setTimeout(loadScenes, RELOAD_MS);
+    return;
+  }
+  panel.listScenes(state.scenes);
+  if (state.scenes.some((scene) => scene.state === 'loading')) setTimeout(loadScenes, RELOAD_MS);
+  if (state.scene) return panel.showScene(state.scene);
+  if (state.scenes.length === 0) return panel.showProblem('The server has no scenes: it found neither meshes with sidecars nor scene files.');
+  await followAddress();
+}
+
+const isReady = ({ state: word = 'ready' }) => word === 'ready';
+
+/** Shows what the address asks for; without a scene in it, the first that can be shown. */
+async function followAddress() {
+  const wanted = decodeView(location.hash);
+  const listed = state.scenes.find((scene) => scene.name === wanted.scene);
+  if (wanted.scene !== null && !listed) panel.showProblem(`The server has no scene “${wanted.scene}”.`);
+  const chosen = listed ?? firstScene();
+  if (chosen) await showScene(chosen, listed ? wanted : { ...wanted, camera: null, radius: null });
+}
+
+/** Scene files before single meshes, which lie in folders. */
+function firstScene() {
+  const ready = state.scenes.filter(isReady);
+  return ready.find((scene) => !scene.name.includes('/')) ?? ready[0];
+}
+
+async function showScene(listed, { camera = null, radius = null, rounding = state.rounding }) {
+  let scene;
+  try {
+    scene = await fetchScene(listed.id);
+  } catch (error) {
+    return sayProblem(error);
+  }
+  const { current = 0, max = 0 } = scene.radius ?? {};
+  const room = isInside(scene.camera, scene.bounds) ? scene.bounds : null;
+  Object.assign(state, { scene, rounding, room, radius, camera: camera ?? scene.camera });
+  state.scale = max > 0 ? new RadiusScale(max, current) : null;
+  if (!state.scale) state.radius = null;
+  if (state.radius !== null) state.radius = Math.min(state.radius, state.scale.top);
+  panel.showScene(scene);
+  changed();
+}
+
+function pickScene(name) {
+  const listed = state.scenes.find((scene) => scene.name === name);
+  if (listed) showScene(listed, {});
+}
+
+// ---- the view
+
+function view() {
+  return { sceneId: state.scene.id, camera: state.camera, rounding: state.rounding, radius: state.radius };
+}
+
+function changed({ moving = false } = {}) {
+  const own = state.radius === null;
+  const radius = own ? (state.scene.radius?.current ?? 0) : state.radius;
+  panel.showRounding(state.rounding, state.scale !== null);
+  panel.showRadius(state.scale, radius, { own, enabled: state.scale !== null && state.rounding !== 'none' });
+  forgetPoint();
+  renderer.show(view(), { moving });
+  writeAddress();
+}
+
+function moveCamera(camera) {
+  if (!state.scene) return;
+  state.camera = state.room ? keepInside(camera, state.room, ROOM_MARGIN) : camera;
+  changed({ moving: true });
+}
+
+function zoomBy(factor) {
+  const [nearest, farthest] = ZOOM_RANGE.map((share) => share * distance(state.scene.camera));
+  moveCamera(zoom(state.camera, factor, nearest, farthest));
+}
+
+function setRounding(word) {
+  state.rounding = word;
+  changed();
+}
+
+function moveRadius(position, { final }) {
+  state.radius = state.scale.radiusAt(position);
+  changed({ moving: !final });
+}
+
+function resetRadius() {
+  state.radius = null;
+  changed();
+}
+
+function resetCamera() {
+  state.camera = state.scene.camera;
+  changed();
+}
+
+// ---- the address
+
+let addressTimer = 0;
+function writeAddress() {
+  clearTimeout(addressTimer);
+  addressTimer = setTimeout(() => {
+    const camera = state.camera === state.scene.camera ? null : state.camera;
+    state.ownHash = encodeView({ scene: state.scene.name, camera, radius: state.radius, rounding: state.rounding });
+    history.replaceState(null, '', state.ownHash);
+  }, 150);
+}
+
+addEventListener('hashchange', () => {
+  if (location.hash !== state.ownHash && state.scenes.length > 0) followAddress();
+});
+
+// ---- the point under the pointer
+
+async function inspect(x, y) {
+  if (!state.scene) return;
+  state.inspection.abort();
+  const { signal } = (state.inspection = new AbortController());
+  const { clientWidth: width, clientHeight: height } = canvas;
+  try {
+    const hit = await fetchHit(view(), pixelRay(state.camera, width, height, x, y), signal);
+    if (!signal.aborted) panel.showPoint(hit, state.scene.bounds, x, y);
+  } catch (error) {
+    if (error.name !== 'AbortError') sayProblem(error);
+  }
+}
+
+function forgetPoint() {
+  state.inspection.abort();
+  panel.showPoint(undefined);
+}
+
+// ---- what goes wrong, what goes on
+
+function sayProblem(error) {
+  if (!(error instanceof ServerError)) throw error;
+  panel.showProblem(error.message);
+}
+
+async function showStatus(status) {
+  panel.showStatus(status);
+  // A scene whose file has changed has another id: take the new one up.
+  if (status.phase === 'failed' && state.scene) {
+    const { name, id } = state.scene;
+    const scenes = await fetchScenes().catch(() => []);
+    const now = scenes.find((scene) => scene.name === name);
+    if (!now || now.id === id || state.scene.id !== id) return;
+    state.scenes = scenes;
+    await showScene(now, { camera: state.camera, radius: state.radius });
+  }
+}
+
+function fit() {
+  const box = canvas.parentElement.getBoundingClientRect();
+  const wanted = Math.min(devicePixelRatio || 1, 2);
+  const density = Math.min(wanted, Math.sqrt(LARGEST_PICTURE / Math.max(1, box.width * box.height)));
+  renderer.resize(Math.max(16, Math.round(box.width * density)), Math.max(16, Math.round(box.height * density)));
+}
+
+let fitTimer = 0;
+new ResizeObserver(() => {
+  clearTimeout(fitTimer);
+  fitTimer = setTimeout(fit, 120);
+}).observe(canvas.parentElement);
+
+document.addEventListener('visibilitychange', () => {
+  if (!state.scene) return;
+  if (document.hidden) renderer.pause();
+  else renderer.resume();
+});
+
+listen(canvas, {
+  turn: (azimuth, elevation) => state.camera && moveCamera(orbit(state.camera, azimuth, elevation)),
+  shift: (dx, dy) => state.camera && moveCamera(pan(state.camera, dx, dy)),
+  zoom: (factor) => state.camera && zoomBy(factor),
+  inspect,
+  home: () => state.camera && resetCamera(),
+});
+offerDownload(document.getElementById('download'), canvas, () => {
+  const name = (state.scene?.name ?? 'scene').replaceAll('/', '-');
+  return `${name}-${state.rounding}.png`;
+});
+fit();
+loadScenes();

@@ -1,0 +1,106 @@
+// The panel beside the picture: its elements, shown and read. Knows nothing of cameras, tiles or the server.
+import { hitRows, lengthText, sceneFacts, statusText } from './words.js';
+
+const byId = (id) => document.getElementById(id);
+
+export class Panel {
+  /** `handlers`: scene(name), rounding(word), radius(position, {final}), resetRadius(), resetCamera(). */
+  constructor(handlers) {
+    this.roundings = [...document.querySelectorAll('input[name="rounding"]')];
+    byId('scene').addEventListener('change', (event) => handlers.scene(event.target.value));
+    for (const radio of this.roundings) radio.addEventListener('change', () => handlers.rounding(radio.value));
+    const radius = byId('radius');
+    radius.addEventListener('input', () => handlers.radius(Number(radius.value), { final: false }));
+    radius.addEventListener('change', () => handlers.radius(Number(radius.value), { final: true }));
+    byId('reset-radius').addEventListener('click', handlers.resetRadius);
+    byId('reset-camera').addEventListener('click', handlers.resetCamera);
+  }
+
+  /** Fills the picker; scenes that are not ready are listed but cannot be picked. */
+  listScenes(scenes) {
+    const options = scenes.map(({ name, state = 'ready' }) => {
+      const option = new Option(state === 'ready' ? name : `${name} (${state})`, name);
+      option.disabled = state !== 'ready';
+      return option;
+    });
+    byId('scene').replaceChildren(...options);
+    byId('scene').disabled = scenes.length === 0;
+  }
+
+  showScene(scene) {
+    document.title = `${scene.name} – Chamfer`;
+    byId('scene').value = scene.name;
+    byId('facts').textContent = sceneFacts(scene);
+    byId('picture').setAttribute('aria-label', `Rendered scene ${scene.name}`);
+    byId('reset-camera').disabled = false;
+  }
+
+  showRounding(word, available) {
+    for (const radio of this.roundings) {
+      radio.checked = radio.value === word;
+      radio.disabled = !available;
+    }
+  }
+
+  /** `scale`: a RadiusScale, or null where nothing is rounded. `own`: is it the scene's own radius? */
+  showRadius(scale, radius, { own, enabled }) {
+    const slider = byId('radius');
+    slider.disabled = !enabled;
+    byId('reset-radius').disabled = !enabled || own;
+    byId('radius-text').textContent = scale ? lengthText(radius) : '';
+    byId('radius-note').textContent = scale ? `Largest: ${lengthText(scale.top)}` : 'Nothing in this scene is rounded.';
+    if (!scale) return;
+    slider.max = scale.steps;
+    slider.value = scale.positionOf(radius);
+    slider.setAttribute('aria-valuetext', lengthText(radius));
+  }
+
+  showStatus(status) {
+    byId('status').textContent = statusText(status);
+    byId('activity').dataset.phase = status.phase;
+    this.showProblem(status.phase === 'failed' ? status.message : '');
+    // The running figures would drown a screen reader: it is told of the ends only.
+    if (['done', 'waiting'].includes(status.phase)) byId('announcement').textContent = statusText(status);
+  }
+
+  showProblem(text) {
+    const problem = byId('problem');
+    if (problem.textContent !== text) problem.textContent = text;
+    problem.hidden = text === '';
+  }
+
+  /** What lies under a point (x, y in pixels of the picture): a hit, null for nothing, or undefined to show none. */
+  showPoint(hit, bounds, x, y) {
+    byId('marker').hidden = hit === undefined;
+    byId('marker').style.translate = `${x}px ${y}px`;
+    byId('point-hint').hidden = Boolean(hit);
+    byId('point').hidden = !hit;
+    byId('point-hint').textContent =
+      hit === null ? 'No object of the scene there.' : 'Click the picture to see what is there.';
+    if (!hit) return;
+    byId('point').replaceChildren(
+      ...hitRows(hit, bounds).flatMap(([name, text]) => {
+        const [term, value] = [document.createElement('dt'), document.createElement('dd')];
+        term.textContent = name;
+        value.textContent = text;
+        return [term, value];
+      }),
+    );
+  }
+}
+
+/** Makes the link `anchor` save the canvas as a PNG under a name made when it is clicked. */
+export function offerDownload(anchor, canvas, fileName) {
+  anchor.href = '#';
+  anchor.removeAttribute('aria-disabled');
+  anchor.addEventListener('click', (event) => {
+    event.preventDefault();
+    canvas.toBlob((blob) => {
+      const link = document.createElement('a');
+      link.href = URL.createObjectURL(blob);
+      link.download = fileName();
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+    }, 'image/png');
+  });
+}
