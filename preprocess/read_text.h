@@ -1,0 +1,64 @@
+// Strict reading of text: lines of any ending, tokens, numbers that must parse to their last character.
+// Shared by the readers of OBJ, OFF, PLY and STL; nothing here knows a format.
+#pragma once
+
+#include "common/vec.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace chamfer {
+
+/// Where a reader is, for its messages: "cube.obj:12: ...".
+struct TextPlace {
+  std::string_view file; ///< name without folder
+  std::size_t line = 0;  ///< 1-based; 0: the file as a whole
+};
+
+/// Throws Error(Malformed): place, then `what`.
+[[noreturn]] void malformed(const TextPlace& place, const std::string& what);
+
+/// A token for a message: in quotes, at most 40 characters, unprintable ones as '?'.
+std::string inQuotes(std::string_view token);
+
+/// A finite number in full; "1,5", "0x1p3", "nan", "1e999" and "3.1+e2" are errors. `what` names the field.
+/// A number too small for a double is 0.
+double parseReal(std::string_view token, const char* what, const TextPlace& place);
+
+/// The same, but nan and inf pass: for colours and normals, whose values nobody uses.
+void checkNumber(std::string_view token, const char* what, const TextPlace& place);
+
+/// A whole decimal number from 0 to `most`.
+std::uint64_t parseCount(std::string_view token, std::uint64_t most, const char* what,
+                         const TextPlace& place);
+
+/// Parses the first three of `tokens` (there must be that many) as a position.
+Point3 parsePoint(std::span<const std::string_view> tokens, const TextPlace& place);
+
+/// Splits at blanks and tabs, replacing what `tokens` held.
+void splitTokens(std::string_view line, std::vector<std::string_view>& tokens);
+
+/// `line` up to a '#'.
+std::string_view withoutComment(std::string_view line);
+
+/// Lower-case copy (ASCII).
+std::string lowerCase(std::string_view text);
+
+/// Goes through a text line by line; "\n", "\r\n" and "\r" end a line, the last one may lack its end.
+class LineReader {
+public:
+  explicit LineReader(std::string_view text) : text_(text) {}
+  bool next(std::string_view& line);
+  std::size_t number() const { return number_; } ///< of the line that next() gave last, 1-based
+  std::size_t offset() const { return at_; }     ///< of the first byte behind that line's end
+  std::size_t left() const { return text_.size() - at_; }
+
+private:
+  std::string_view text_;
+  std::size_t at_ = 0, number_ = 0;
+};
+
+} // namespace chamfer
