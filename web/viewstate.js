@@ -4,15 +4,19 @@ export const ROUNDINGS = ['analytic', 'none'];
 
 const numberText = (x) => String(Number(x.toPrecision(6)));
 
-/** Nine numbers and the field of view: eye, target, up, vertical degrees. The server's `camera=` takes the same text. */
-export function cameraText({ eye, target, up, vfovDegrees }) {
-  return [...eye, ...target, ...up, vfovDegrees].map(numberText).join(',');
+/**
+ * Eye, target, up, vertical field of view in degrees and, for a thin lens, aperture diameter and focus distance. The
+ * server's `camera=` takes the same text.
+ */
+export function cameraText({ eye, target, up, vfovDegrees, apertureDiameter = 0, focusDistance = 0 }) {
+  const lens = apertureDiameter > 0 ? [apertureDiameter, focusDistance] : [];
+  return [...eye, ...target, ...up, vfovDegrees, ...lens].map(numberText).join(',');
 }
 
 /** The camera of cameraText(), or null where the text does not describe one. */
 export function parseCamera(text) {
   const numbers = text.split(',').map((word) => (word.trim() === '' ? NaN : Number(word)));
-  if (numbers.length !== 10 || !numbers.every(Number.isFinite)) return null;
+  if (![10, 12].includes(numbers.length) || !numbers.every(Number.isFinite)) return null;
   const camera = {
     eye: numbers.slice(0, 3),
     target: numbers.slice(3, 6),
@@ -24,7 +28,9 @@ export function parseCamera(text) {
     (i) => forward[(i + 1) % 3] * camera.up[(i + 2) % 3] - forward[(i + 2) % 3] * camera.up[(i + 1) % 3],
   );
   if (Math.hypot(...crossed) === 0 || !(camera.vfovDegrees > 0 && camera.vfovDegrees < 180)) return null;
-  return camera;
+  if (numbers.length === 10) return camera;
+  const [apertureDiameter, focusDistance] = numbers.slice(10);
+  return apertureDiameter >= 0 && focusDistance >= 0 ? { ...camera, apertureDiameter, focusDistance } : null;
 }
 
 /** Text for the address. `camera` and `radius` are left out where they are null: the scene's own. */

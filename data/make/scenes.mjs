@@ -65,7 +65,7 @@ function dice() {
   return {
     meshes: [
       ...Object.keys(SOLIDS).map((name) => ({ name, file: `solids/${name}.obj`, radius: 0.08 })),
-      { name: 'ground', file: 'stage/ground.obj' },
+      { name: 'ground', file: 'stage/ground.obj', rounding: false },
     ],
     materials: [
       plastic('ivory', [0.82, 0.76, 0.64]),
@@ -130,7 +130,7 @@ function blocks() {
   return {
     meshes: [
       ...Object.keys(BRICKS).map((name) => ({ name, file: `bricks/${name}.obj`, radius: 0.05 })),
-      { name: 'ground', file: 'stage/ground.obj' },
+      { name: 'ground', file: 'stage/ground.obj', rounding: false },
     ],
     materials: [
       plastic('red', [0.6, 0.02, 0.02]),
@@ -175,7 +175,7 @@ function room() {
   return {
     meshes: [
       { name: 'room', file: 'stage/room.obj', radius: 0.5 },
-      { name: 'lamp', file: 'stage/lamp.obj' },
+      { name: 'lamp', file: 'stage/lamp.obj', rounding: false },
       { name: 'pedestal', file: 'stage/pedestal.obj', radius: 0.08 },
       ...['cube', 'dodecahedron', 'icosahedron'].map((name) => ({ name, file: `solids/${name}.obj`, radius: 0.08 })),
     ],
