@@ -241,40 +241,67 @@ std::optional<RoundedInterval> interval(const RoundingView& view, std::uint32_t 
   return RoundedInterval{*in, *out};
 }
 
+namespace {
+
+/// A candidate looked at closely, in its solid's frame.
+struct Approach {
+  std::uint32_t solid;
+  double t;     ///< where the ray meets the facet's plane
+  Ray near;     ///< the ray with its origin moved there
+  double slope; ///< of the facet's normal along the ray: below 0 for a front-facing candidate
+  bool flat;    ///< that place is on the flat, so it is an end of the interval itself
+  std::uint32_t start;
+  Vector3 normal;
+
+  std::optional<RoundedEnd> in(const RoundingView& view) const {
+    if (flat && slope < 0) return RoundedEnd{t, normal, Feature::Flat};
+    return shifted(entry(view, solid, near, start), t);
+  }
+  std::optional<RoundedEnd> out(const RoundingView& view) const {
+    if (flat && slope > 0) return RoundedEnd{t, normal, Feature::Flat};
+    return shifted(exit(view, solid, near, start), t);
+  }
+};
+
+/// The facet's plane, not the triangle, gives the place: exact where the ray is not parallel to it, and
+/// wherever it falls, a point on the flat is on R and any other is only a start for the walk.
+Approach approach(const RoundingView& view, const Candidate& candidate, const Vector3& o, const Vector3& d) {
+  const FacetRecord& facet = view.facets[candidate.facet];
+  Approach a{facet.solid, candidate.t, {}, 0, false, 0, Vector3(facet.normal)};
+  a.slope = dot(a.normal, d);
+  if (a.slope != 0) a.t = (double(facet.offset) - dot(a.normal, o)) / a.slope;
+  a.near = {Point3(o + d * a.t), d};
+  const Detection detection = detect(view, facet.solid, candidate.facet, a.near.origin);
+  a.flat = !detection.inZone && a.slope != 0;
+  a.start = detection.halfEdge;
+  return a;
+}
+
+} // namespace
+
 std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candidate& candidate, const Ray& ray,
                                          double tnear) {
-  const FacetRecord& facet = view.facets[candidate.facet];
-  const SolidRecord& record = view.solids[facet.solid];
-  const Vector3 o = Vector3(ray.origin) - solidOrigin(record), &d = ray.direction, n(facet.normal);
-  const double slope = dot(n, d);
-  const bool front = slope < 0;
-  if (!front && lengthSquared(o + d * tnear) > double(record.boundRadius) * record.boundRadius)
-    return std::nullopt;
-
-  // The facet's plane, not the triangle, gives the point: exact where the ray is not parallel to it, and
-  // wherever it falls, a point on the flat is on R and any other is only a start for the walk.
-  const double t = slope != 0 ? (double(facet.offset) - dot(n, o)) / slope : candidate.t;
-  const Vector3 p = o + d * t;
-  const Detection detection = detect(view, facet.solid, candidate.facet, Point3(p));
-  const Ray near{Point3(p), d};
-  const std::uint32_t start = detection.halfEdge;
-  const auto flatEnd = [&] { return RoundedEnd{t, n, Feature::Flat}; };
-  const bool flat = !detection.inZone && slope != 0;
-
-  if (front) {
-    const auto in = flat ? flatEnd() : shifted(entry(view, facet.solid, near, start), t);
-    if (!in) return std::nullopt;
-    if (in->t > tnear) return in;
-    const auto out = shifted(exit(view, facet.solid, near, start), t);
-    if (out && out->t > tnear) return out;
-    return std::nullopt;
+  const SolidRecord& record = view.solids[view.facets[candidate.facet].solid];
+  const Vector3 o = Vector3(ray.origin) - solidOrigin(record);
+  const Approach a = approach(view, candidate, o, ray.direction);
+  if (a.slope < 0) {
+    const auto in = a.in(view);
+    if (!in || in->t > tnear) return in;
+    const auto out = a.out(view);
+    return out && out->t > tnear ? out : std::nullopt;
   }
-  const auto out = flat ? flatEnd() : shifted(exit(view, facet.solid, near, start), t);
+  const double bound = record.boundRadius;
+  if (lengthSquared(o + ray.direction * tnear) > bound * bound) return std::nullopt;
+  const auto out = a.out(view);
   if (!out || out->t <= tnear) return std::nullopt;
   // The ray begins inside P: in R, or in the sliver in front of R.
-  const auto in = shifted(entry(view, facet.solid, near, start), t);
-  if (in && in->t > tnear) return in;
-  return out;
+  const auto in = a.in(view);
+  return in && in->t > tnear ? in : out;
+}
+
+std::optional<RoundedEnd> farEnd(const RoundingView& view, const Candidate& candidate, const Ray& ray) {
+  const SolidRecord& record = view.solids[view.facets[candidate.facet].solid];
+  return approach(view, candidate, Vector3(ray.origin) - solidOrigin(record), ray.direction).out(view);
 }
 
 } // namespace chamfer

@@ -60,4 +60,8 @@ struct Candidate {
 std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candidate& candidate, const Ray& ray,
                                          double tnear);
 
+/// The far end of the ray's line in the candidate's solid, ray in the mesh's frame: for a path that goes on
+/// inside a solid from its own surface.
+std::optional<RoundedEnd> farEnd(const RoundingView& view, const Candidate& candidate, const Ray& ray);
+
 } // namespace chamfer

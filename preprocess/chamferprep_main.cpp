@@ -10,7 +10,6 @@ int main(int argc, char** argv) {
   PrepCommandOptions options;
   PreprocessOptions& p = options.preprocess;
   std::string radius;
-  bool version = false;
   CLI::App app{
       "Rounds every edge and corner of the convex solids in a mesh, exactly, without touching the mesh:\n"
       "writes MESH.chamfer beside it, for chamferd to render.",
@@ -46,15 +45,10 @@ int main(int argc, char** argv) {
   app.add_flag("--json", options.json, "Print the report as JSON (an array when there are several meshes)");
   app.add_flag("--dry-run", options.dryRun, "Do everything but write");
   app.add_flag("-q,--quiet", options.quiet, "Print errors only");
-  app.add_flag("--version", version, "Print the version");
+  app.set_version_flag("--version", "chamferprep " CHAMFER_VERSION, "Print the version");
   app.footer("Exit status: 0 done, 1 internal error, 2 usage, 3 unreadable or malformed input, 4 not a "
              "convex solid,\n"
              "5 radius too large, 6 cannot write. A mesh that fails leaves nothing written.");
-  for (int i = 1; i < argc; ++i)
-    if (std::string(argv[i]) == "--version") {
-      std::puts("chamferprep " CHAMFER_VERSION);
-      return 0;
-    }
   try {
     app.parse(argc, argv);
     p.radius = parseRadius(radius);

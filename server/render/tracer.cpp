@@ -1,0 +1,386 @@
+// Embree 3 behind tracer.h.
+//
+// Embree holds the unmodified meshes, float32, each about its own centre; the rounding is applied in filter
+// functions. A filter sees every triangle that a ray meets on its way. For a triangle of a rounded solid it
+// asks the rounding for the first end of the ray's interval in the solid (double arithmetic, the double ray)
+// and either rejects the triangle, so that the ray goes on through the sliver in the same traversal, or
+// accepts it and moves the ray's tfar to that end. The end lies at or behind the triangle, but before the
+// tfar that the traversal had, so tfar only ever decreases from one accepted hit to the next, which is what
+// the traversal relies on.
+#include "server/render/tracer.h"
+
+#include "common/error.h"
+
+#include <atomic>
+#include <embree3/rtcore.h>
+#include <limits>
+#include <mutex>
+#include <string>
+
+namespace chamfer {
+namespace {
+
+/// Bytes that Embree has allocated, by its own count.
+std::atomic<std::ptrdiff_t> embreeBytes{0};
+
+/// Process-wide handle without state of ours; Embree's devices are thread safe.
+RTCDevice device() {
+  static const RTCDevice shared = [] {
+    const RTCDevice made = rtcNewDevice(nullptr);
+    if (!made) throw Error(ErrorKind::Internal, "Embree cannot start on this machine");
+    rtcSetDeviceMemoryMonitorFunction(
+        made,
+        [](void*, ssize_t bytes, bool) {
+          embreeBytes += bytes;
+          return true;
+        },
+        nullptr);
+    return made;
+  }();
+  return shared;
+}
+
+void checkDevice(const char* step) {
+  if (const RTCError error = rtcGetDeviceError(device()); error != RTC_ERROR_NONE)
+    throw Error(ErrorKind::Internal, std::string("Embree failed to ") + step + " (error " +
+                                         std::to_string(error) +
+                                         (error == RTC_ERROR_OUT_OF_MEMORY ? ", out of memory)" : ")"));
+}
+
+/// Owns an RTCScene and measures what building it took.
+class EmbreeScene {
+public:
+  EmbreeScene() : scene_(rtcNewScene(device())) {
+    rtcSetSceneFlags(scene_, RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  }
+  ~EmbreeScene() { rtcReleaseScene(scene_); }
+  EmbreeScene(const EmbreeScene&) = delete;
+  EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+  void attach(RTCGeometry geometry) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+  }
+  void build() {
+    static std::mutex oneAtATime; // so that the bytes counted are this scene's
+    const std::lock_guard lock(oneAtATime);
+    const std::ptrdiff_t before = embreeBytes;
+    rtcCommitScene(scene_);
+    checkDevice("build a bounding volume hierarchy");
+    const std::ptrdiff_t after = embreeBytes;
+    bytes_ = after > before ? std::size_t(after - before) : 0;
+  }
+  RTCScene get() const { return scene_; }
+  std::size_t bytes() const { return bytes_; }
+
+private:
+  RTCScene scene_;
+  std::size_t bytes_ = 0;
+};
+
+} // namespace
+
+class TracedMesh {
+public:
+  explicit TracedMesh(std::shared_ptr<const TriangleMesh> mesh) : mesh_(std::move(mesh)) {
+    for (const auto& t : mesh_->triangles)
+      for (const std::uint32_t v : t)
+        bounds_.extend(mesh_->positions[v]);
+    centre_ = bounds_.empty() ? Vector3() : Vector3(bounds_.centre());
+    const RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh_->positions.size()));
+    auto* indices = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(std::uint32_t), mesh_->triangles.size()));
+    if (!positions || !indices) checkDevice("hold a mesh");
+    for (const Point3& p : mesh_->positions) {
+      const Vector3 local = Vector3(p) - centre_;
+      for (std::size_t k = 0; k < 3; ++k)
+        *positions++ = float(local[k]);
+    }
+    for (const auto& t : mesh_->triangles)
+      for (const std::uint32_t v : t)
+        *indices++ = v;
+    scene_.attach(geometry);
+    scene_.build();
+  }
+  const TriangleMesh& mesh() const { return *mesh_; }
+  const Vector3& centre() const { return centre_; } ///< object coordinates of Embree's origin
+  const Bounds3& bounds() const { return bounds_; }
+  RTCScene scene() const { return scene_.get(); }
+  std::size_t bytes() const {
+    return scene_.bytes() + 12 * (mesh_->positions.size() + mesh_->triangles.size());
+  }
+
+private:
+  std::shared_ptr<const TriangleMesh> mesh_;
+  Bounds3 bounds_;
+  Vector3 centre_;
+  EmbreeScene scene_;
+};
+
+std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleMesh> mesh) {
+  return std::make_shared<TracedMesh>(std::move(mesh));
+}
+
+namespace {
+
+struct Instance {
+  const RoundingView* view; ///< null: sharp
+  const TracedMesh* mesh;
+  Transform objectFromWorld;
+};
+
+/// One query: Embree's context, extended by what the filters need. Lives on the caller's stack.
+struct Query {
+  RTCIntersectContext context; // first, so that Embree's pointer to it is ours
+  const std::vector<Instance>* instances;
+  Ray ray; ///< world
+  RayOrigin from;
+  double tnear;
+  double best;    ///< ends at or beyond this do not count
+  RoundedEnd end; ///< the best so far, object frame; valid when found
+  std::uint32_t instance, solid, triangle;
+  float u, v;
+  bool found;
+  std::uint32_t frameInstance = kNone; ///< whose frame objectRay is in
+  Ray objectRay;
+
+  const Ray& rayFor(std::uint32_t i) {
+    if (frameInstance != i) {
+      objectRay = (*instances)[i].objectFromWorld(ray);
+      frameInstance = i;
+    }
+    return objectRay;
+  }
+};
+
+float above(double t) {
+  const float f = float(t);
+  return double(f) >= t ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
+}
+
+/// What a candidate triangle means for the query: the end of its solid that is hit, or nothing.
+std::optional<RoundedEnd> judge(Query& q, std::uint32_t instance, std::uint32_t facet, float t) {
+  const Instance& in = (*q.instances)[instance];
+  const RoundingView& view = *in.view;
+  const Ray& ray = q.rayFor(instance);
+  const Candidate candidate{facet, double(t)};
+  if (q.from.instance == instance && q.from.solid == view.facets[facet].solid) {
+    // The path left this very surface: outward it never meets it again, inward only its far end.
+    if (!q.from.inside) return std::nullopt;
+    return farEnd(view, candidate, ray);
+  }
+  return firstEndBeyond(view, candidate, ray, q.tnear);
+}
+
+void intersectFilter(const RTCFilterFunctionNArguments* args) {
+  auto& q = *reinterpret_cast<Query*>(args->context);
+  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+  const std::uint32_t instance = hit.instID[0], triangle = hit.primID;
+  const Instance& in = (*q.instances)[instance];
+  const std::uint32_t facet = in.view ? in.view->facetOfTriangle[triangle] : kNone;
+  args->valid[0] = 0;
+  std::uint32_t solid = kNone;
+  if (facet == kNone) {
+    if (q.from.instance == instance && q.from.triangle == triangle) return;
+    if (!(double(ray.tfar) < q.best)) return;
+    q.best = double(ray.tfar);
+  } else {
+    const auto end = judge(q, instance, facet, ray.tfar);
+    if (!end || !(end->t < q.best) || !(end->t > q.tnear)) return;
+    q.best = end->t;
+    q.end = *end;
+    solid = in.view->facets[facet].solid;
+    ray.tfar = above(end->t);
+  }
+  q.found = true;
+  q.instance = instance;
+  q.solid = solid;
+  q.triangle = triangle;
+  q.u = hit.u;
+  q.v = hit.v;
+  args->valid[0] = -1;
+}
+
+void occludedFilter(const RTCFilterFunctionNArguments* args) {
+  auto& q = *reinterpret_cast<Query*>(args->context);
+  const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
+  const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+  const std::uint32_t instance = hit.instID[0], triangle = hit.primID;
+  const Instance& in = (*q.instances)[instance];
+  const std::uint32_t facet = in.view ? in.view->facetOfTriangle[triangle] : kNone;
+  if (facet == kNone) {
+    if (q.from.instance == instance && q.from.triangle == triangle) args->valid[0] = 0;
+    return;
+  }
+  const auto end = judge(q, instance, facet, ray.tfar);
+  if (!end || !(end->t < q.best) || !(end->t > q.tnear)) args->valid[0] = 0;
+}
+
+class EmbreeTracer final : public Tracer {
+public:
+  explicit EmbreeTracer(std::vector<TracedInstance> instances) : owned_(std::move(instances)) {
+    for (const TracedInstance& i : owned_)
+      for (int corner = 0; corner < 8; ++corner) {
+        const Bounds3& b = i.mesh->bounds();
+        if (b.empty()) continue;
+        bounds_.extend(
+            i.worldFromObject(Point3(corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
+                                     corner & 4 ? b.upper.z : b.lower.z)));
+      }
+    centre_ = bounds_.empty() ? Vector3() : Vector3(bounds_.centre());
+    reach_ = 0.5 * bounds_.diagonal();
+    instances_.reserve(owned_.size());
+    for (const TracedInstance& i : owned_) {
+      instances_.push_back(
+          {i.rounding ? &i.rounding->view() : nullptr, i.mesh.get(), i.worldFromObject.inverse()});
+      attachInstance(i);
+    }
+    scene_.build();
+  }
+
+  std::optional<TraceHit> intersect(const Ray& ray, const RayOrigin& from, double tnear,
+                                    double tfar) const override {
+    Query q = query(ray, from, tnear, tfar, &intersectFilter);
+    RTCRayHit rayHit;
+    rayHit.ray = embreeRay(q);
+    rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_.get(), &q.context, &rayHit);
+    if (!q.found) return std::nullopt;
+    return q.solid == kNone ? sharpHit(q) : roundedHit(q);
+  }
+
+  bool occluded(const Ray& ray, const RayOrigin& from, double tnear, double tfar) const override {
+    Query q = query(ray, from, tnear, tfar, &occludedFilter);
+    RTCRay r = embreeRay(q);
+    rtcOccluded1(scene_.get(), &q.context, &r);
+    return r.tfar < 0;
+  }
+
+  const Bounds3& bounds() const override { return bounds_; }
+
+  std::size_t memoryBytes() const override {
+    std::vector<const void*> seen;
+    const auto first = [&](const void* p) {
+      for (const void* s : seen)
+        if (s == p) return false;
+      seen.push_back(p);
+      return true;
+    };
+    std::size_t bytes = scene_.bytes() + instances_.size() * sizeof(Instance);
+    const void *lastMesh = nullptr, *lastRounding = nullptr;
+    for (const TracedInstance& i : owned_) {
+      if (i.mesh.get() != lastMesh && first(i.mesh.get())) bytes += i.mesh->bytes();
+      if (i.rounding && i.rounding.get() != lastRounding && first(i.rounding.get()))
+        bytes += i.rounding->bytes();
+      lastMesh = i.mesh.get();
+      lastRounding = i.rounding.get();
+    }
+    return bytes;
+  }
+
+private:
+  void attachInstance(const TracedInstance& i) {
+    // Embree's frames are about the mesh's and the scene's centres: float32 keeps its digits far from the
+    // origin.
+    const Transform t =
+        Transform::translate(-centre_) * i.worldFromObject * Transform::translate(i.mesh->centre());
+    const RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, i.mesh->scene());
+    float rows[12];
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t c = 0; c < 4; ++c)
+        rows[4 * r + c] = float(t.rows()[r][c]);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
+    scene_.attach(geometry);
+  }
+
+  Query query(const Ray& ray, const RayOrigin& from, double tnear, double tfar,
+              RTCFilterFunctionN filter) const {
+    Query q;
+    rtcInitIntersectContext(&q.context);
+    q.context.filter = filter;
+    q.instances = &instances_;
+    q.ray = ray;
+    q.from = from;
+    q.tnear = tnear;
+    q.best = tfar;
+    q.found = false;
+    // A path that leaves a sharp triangle starts beyond what float32 can put on the wrong side of its
+    // neighbours: the rounding of the origin and of the transforms, a few units in the last place of the
+    // largest coordinate involved.
+    if (from.instance != kNone && from.solid == kNone) {
+      const Vector3 o = Vector3(ray.origin) - centre_;
+      const double largest = std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z), reach_});
+      const double error = 16 * 0x1p-24 * largest;
+      q.tnear = std::max(tnear, error / length(ray.direction));
+    }
+    return q;
+  }
+
+  RTCRay embreeRay(const Query& q) const {
+    const Vector3 o = Vector3(q.ray.origin) - centre_;
+    RTCRay r;
+    r.org_x = float(o.x);
+    r.org_y = float(o.y);
+    r.org_z = float(o.z);
+    r.dir_x = float(q.ray.direction.x);
+    r.dir_y = float(q.ray.direction.y);
+    r.dir_z = float(q.ray.direction.z);
+    r.tnear = float(q.tnear);
+    r.tfar = above(q.best);
+    r.mask = ~0u;
+    r.flags = 0;
+    r.time = 0;
+    r.id = 0;
+    return r;
+  }
+
+  TraceHit roundedHit(const Query& q) const {
+    const Normal3 n = owned_[q.instance].worldFromObject(Normal3(q.end.normal));
+    return {q.end.t,
+            q.ray.at(q.end.t),
+            normalize(Vector3(n)),
+            q.end.feature,
+            q.instance,
+            q.solid,
+            q.triangle,
+            q.u,
+            q.v};
+  }
+
+  TraceHit sharpHit(const Query& q) const {
+    const TracedInstance& in = owned_[q.instance];
+    const TriangleMesh& mesh = in.mesh->mesh();
+    const auto& t = mesh.triangles[q.triangle];
+    const Point3 a = in.worldFromObject(mesh.positions[t[0]]), b = in.worldFromObject(mesh.positions[t[1]]),
+                 c = in.worldFromObject(mesh.positions[t[2]]);
+    Vector3 n = cross(b - a, c - a);
+    if (in.worldFromObject.determinant() < 0) n = -n;
+    // Embree's t is a float32: put the hit on the triangle's plane where the ray is not along it.
+    const double slope = dot(n, q.ray.direction);
+    double exact = dot(n, a - q.ray.origin) / slope;
+    if (!(std::abs(exact - q.best) <= 1e-4 * std::abs(q.best)) || !(exact > 0)) exact = q.best;
+    return {exact, q.ray.at(exact), normalize(n), Feature::Flat, q.instance, kNone, q.triangle, q.u, q.v};
+  }
+
+  std::vector<TracedInstance> owned_;
+  std::vector<Instance> instances_;
+  Bounds3 bounds_;
+  Vector3 centre_;
+  double reach_ = 0;
+  EmbreeScene scene_;
+};
+
+} // namespace
+
+std::shared_ptr<const Tracer> makeTracer(std::vector<TracedInstance> instances) {
+  return std::make_shared<EmbreeTracer>(std::move(instances));
+}
+
+} // namespace chamfer
