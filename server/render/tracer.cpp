@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 
+#include <algorithm>
 #include <atomic>
 #include <embree3/rtcore.h>
 #include <limits>
@@ -137,7 +138,8 @@ struct Instance {
 struct Query {
   RTCIntersectContext context; // first, so that Embree's pointer to it is ours
   const std::vector<Instance>* instances;
-  Ray ray; ///< world
+  Ray ray;        ///< world
+  Vector3 offset; ///< of Embree's ray only
   RayOrigin from;
   double tnear;
   double best;    ///< ends at or beyond this do not count
@@ -311,20 +313,20 @@ private:
     q.tnear = tnear;
     q.best = tfar;
     q.found = false;
-    // A path that leaves a sharp triangle starts beyond what float32 can put on the wrong side of its
-    // neighbours: the rounding of the origin and of the transforms, a few units in the last place of the
-    // largest coordinate involved.
+    // A path that leaves a sharp triangle starts off its plane by what float32 can put on the wrong side of
+    // it: the rounding of the origin and of the transforms, a few units in the last place of the largest
+    // coordinate involved.
+    q.offset = {0, 0, 0};
     if (from.instance != kNone && from.solid == kNone) {
-      const Vector3 o = Vector3(ray.origin) - centre_;
+      const Vector3 o = Vector3(ray.origin) - centre_, n = triangleNormal(from.instance, from.triangle);
       const double largest = std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z), reach_});
-      const double error = 16 * 0x1p-24 * largest;
-      q.tnear = std::max(tnear, error / length(ray.direction));
+      q.offset = n * std::copysign(16 * 0x1p-24 * largest, dot(n, ray.direction));
     }
     return q;
   }
 
   RTCRay embreeRay(const Query& q) const {
-    const Vector3 o = Vector3(q.ray.origin) - centre_;
+    const Vector3 o = Vector3(q.ray.origin) - centre_ + q.offset;
     RTCRay r;
     r.org_x = float(o.x);
     r.org_y = float(o.y);
@@ -354,19 +356,25 @@ private:
             q.v};
   }
 
+  /// World, unit, outward by the winding of the file (kept under mirroring).
+  Vector3 triangleNormal(std::uint32_t instance, std::uint32_t triangle) const {
+    const TracedInstance& in = owned_[instance];
+    const TriangleMesh& mesh = in.mesh->mesh();
+    const auto& t = mesh.triangles[triangle];
+    const Point3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    return normalize(Vector3(in.worldFromObject(Normal3(cross(b - a, c - a)))));
+  }
+
   TraceHit sharpHit(const Query& q) const {
     const TracedInstance& in = owned_[q.instance];
     const TriangleMesh& mesh = in.mesh->mesh();
-    const auto& t = mesh.triangles[q.triangle];
-    const Point3 a = in.worldFromObject(mesh.positions[t[0]]), b = in.worldFromObject(mesh.positions[t[1]]),
-                 c = in.worldFromObject(mesh.positions[t[2]]);
-    Vector3 n = cross(b - a, c - a);
-    if (in.worldFromObject.determinant() < 0) n = -n;
+    const Point3 a = in.worldFromObject(mesh.positions[mesh.triangles[q.triangle][0]]);
+    const Vector3 n = triangleNormal(q.instance, q.triangle);
     // Embree's t is a float32: put the hit on the triangle's plane where the ray is not along it.
     const double slope = dot(n, q.ray.direction);
     double exact = dot(n, a - q.ray.origin) / slope;
     if (!(std::abs(exact - q.best) <= 1e-4 * std::abs(q.best)) || !(exact > 0)) exact = q.best;
-    return {exact, q.ray.at(exact), normalize(n), Feature::Flat, q.instance, kNone, q.triangle, q.u, q.v};
+    return {exact, q.ray.at(exact), n, Feature::Flat, q.instance, kNone, q.triangle, q.u, q.v};
   }
 
   std::vector<TracedInstance> owned_;
