@@ -10,7 +10,8 @@
 
 namespace chamfer {
 
-/// 16-byte header ("CT16", then width, height, samples as u32) and RGBA16F, little-endian, linear, top row first.
+/// 16-byte header ("CT16", then width, height, samples as u32) and RGBA16F, little-endian, linear, top row
+/// first.
 std::vector<std::byte> encodeF16(const Image& image, unsigned samples);
 /// 8-bit sRGB with the display transform of the page (exposure 0), alpha kept. Deterministic bytes.
 std::vector<std::byte> encodePng(const Image& image);

@@ -1,5 +1,5 @@
-// A scene as loaded from disk: meshes, materials, instances, lights, camera. Immutable; its id is the digest of
-// everything that determines its pixels. Which rounding is used is chosen per request (render.h).
+// A scene as loaded from disk: meshes, materials, instances, lights, camera. Immutable; its id is the digest
+// of everything that determines its pixels. Which rounding is used is chosen per request (render.h).
 #pragma once
 
 #include "common/digest.h"
@@ -7,6 +7,7 @@
 #include "common/transform.h"
 #include "preprocess/mesh.h"
 #include "preprocess/preprocess.h"
+#include "server/render/color.h"
 #include "server/render/tracer.h"
 
 #include <filesystem>
@@ -16,11 +17,6 @@
 #include <vector>
 
 namespace chamfer {
-
-/// Linear RGB.
-struct Color {
-  float r = 0, g = 0, b = 0;
-};
 
 /// Pinhole or thin-lens camera. World units; `up` need not be orthogonal to the view.
 struct Camera {
@@ -37,28 +33,29 @@ struct SceneMesh {
   std::filesystem::path file;
   std::shared_ptr<const TriangleMesh> mesh;
   std::shared_ptr<const TracedMesh> traced;
-  std::shared_ptr<const Rounding> rounding; ///< null: stays sharp (a floor, a light)
-  double radius = 0;    ///< the largest radius in `rounding`; 0 when sharp
-  double maxRadius = 0; ///< smallest inradius; 0 when sharp or unknown
+  std::shared_ptr<const Rounding> rounding; ///< null: sharp until a radius is asked for, or for good
+  bool staysSharp = false; ///< a floor, a light: no radius ever rounds it
+  double radius = 0;                        ///< the largest radius in `rounding`; 0 when sharp
+  double maxRadius = 0;                     ///< smallest inradius; 0 when sharp or unknown
 };
 
-class SceneData; // materials, lights, textures: the renderer's own (scene_data.h)
+struct SceneData; // materials, lights, textures: the renderer's own (scene_data.h)
 
 struct Scene {
   std::string name; ///< path below the served root without extension, '/' between folders
   Digest id;
   std::vector<SceneMesh> meshes;
-  std::vector<TracedInstance> instances; ///< with each mesh's own rounding; the scene's own, no studio
-  Camera camera;                         ///< the file's, or one fitted to the bounds
-  Bounds3 bounds;                        ///< of the scene's own instances
+  std::vector<TracedInstance> instances;       ///< with each mesh's own rounding; the scene's own, no studio
+  Camera camera;                               ///< the file's, or one fitted to the bounds
+  Bounds3 bounds;                              ///< of the scene's own instances
   std::size_t triangles = 0, roundedEdges = 0; ///< over all instances
   std::vector<std::string> warnings;
   std::shared_ptr<const SceneData> data;
 };
 
-/// Loads `*.scene.json`, or a mesh with its sidecar beside it (`MESH.chamfer`), which gets a neutral studio: ground,
-/// sky, area light, fitted camera. Throws Error with the key's path or the file's fault; StaleSidecar, DamagedSidecar.
-/// `root`: files may be named only below it.
+/// Loads `*.scene.json`, or a mesh with its sidecar beside it (`MESH.chamfer`), which gets a neutral studio:
+/// ground, sky, area light, fitted camera. Throws Error with the key's path or the file's fault;
+/// StaleSidecar, DamagedSidecar. `root`: files may be named only below it.
 std::shared_ptr<const Scene> loadScene(const std::filesystem::path& file, const std::filesystem::path& root,
                                        const std::string& name);
 

@@ -1,5 +1,6 @@
-// Ray queries of a scene: Embree over the unmodified meshes, with the rounding applied to every candidate hit. The only
-// place that knows Embree (tracer.cpp). Immutable after construction; any number of threads may query it.
+// Ray queries of a scene: Embree over the unmodified meshes, with the rounding applied to every candidate
+// hit. The only place that knows Embree (tracer.cpp). Immutable after construction; any number of threads may
+// query it.
 #pragma once
 
 #include "common/ray_query.h"
@@ -25,8 +26,8 @@ struct TracedInstance {
   Transform worldFromObject;
 };
 
-/// Where a path is, so that a surface is never hit again from where the path leaves it. For a convex rounded solid the
-/// answer is exact without any offset: its id and the side on which the path goes on.
+/// Where a path is, so that a surface is never hit again from where the path leaves it. For a convex rounded
+/// solid the answer is exact without any offset: its id and the side on which the path goes on.
 struct RayOrigin {
   std::uint32_t instance = kNone; ///< kNone: a free point (camera, a batch ray)
   std::uint32_t solid = kNone;    ///< kNone: a sharp triangle
@@ -59,7 +60,7 @@ public:
   /// Is anything hit with t in (tnear, tfar)?
   virtual bool occluded(const Ray& ray, const RayOrigin& from = {}, double tnear = 0,
                         double tfar = INFINITY) const = 0;
-  virtual const Bounds3& bounds() const = 0; ///< world, of the unmodified meshes
+  virtual const Bounds3& bounds() const = 0;   ///< world, of the unmodified meshes
   virtual std::size_t memoryBytes() const = 0; ///< Embree structures and roundings, each counted once
 };
 
