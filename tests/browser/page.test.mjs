@@ -1,0 +1,228 @@
+// The page in a real browser, on the real server:
+//   node tests/browser/page.test.mjs --chamferd PATH --chamferprep PATH --data FOLDER
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { after, afterEach, before, beforeEach, test } from 'node:test';
+import { parseArgs } from 'node:util';
+
+import { openBrowser, watchConsole } from './browser.mjs';
+import { blockMeans, changedShare, contrast, waitForSamples } from './picture.mjs';
+import { makeRoot, startServer } from './server.mjs';
+
+const { values: paths } = parseArgs({
+  options: { chamferd: { type: 'string' }, chamferprep: { type: 'string' }, data: { type: 'string' } },
+});
+for (const name of ['chamferd', 'chamferprep', 'data']) {
+  if (!paths[name]) throw new Error(`--${name} is missing`);
+}
+
+const SAMPLES = 8;
+const SIZE = { width: 640, height: 420 };
+
+let root;
+let server;
+let browser;
+let page;
+let faults;
+
+before(async () => {
+  root = makeRoot(paths.chamferprep, paths.data);
+  server = await startServer(paths.chamferd, root.root);
+  browser = await openBrowser();
+});
+
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+  root?.remove();
+});
+
+beforeEach(async () => {
+  page = await browser.newPage({ viewport: SIZE, hasTouch: true });
+  faults = watchConsole(page);
+});
+
+afterEach(async () => {
+  await page.close();
+  assert.deepEqual(faults, []);
+});
+
+async function open(hash) {
+  await page.goto(`${server.url}/${hash}`);
+  await waitForSamples(page, SAMPLES);
+}
+
+/** Does something to the view, waits for the new picture and returns it. */
+async function pictureAfter(action) {
+  const before = await page.evaluate(() => document.getElementById('status').textContent);
+  await action();
+  await page.waitForFunction((text) => document.getElementById('status').textContent !== text, before);
+  await page.waitForTimeout(400); // a moved view counts as moving for a moment
+  await waitForSamples(page, SAMPLES);
+  return blockMeans(page);
+}
+
+const setRadius = (position) =>
+  page.locator('#radius').evaluate((slider, value) => {
+    slider.value = value;
+    slider.dispatchEvent(new Event('input', { bubbles: true }));
+    slider.dispatchEvent(new Event('change', { bubbles: true }));
+  }, position);
+
+const middleOfPicture = async () => {
+  const box = await page.locator('#picture').boundingBox();
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+};
+
+const addressAfter = (word) => page.waitForFunction((part) => location.hash.includes(part), word);
+
+test('without a link the page opens a scene file and shows a picture', async () => {
+  await open('');
+  assert.ok(contrast(await blockMeans(page)) > 15);
+  assert.match(await page.title(), /^(blocks|dice|room) – Chamfer$/);
+  assert.match(await page.locator('#status').textContent(), /\d+ of \d+ samples · [\d.]+ s · [\d.]+ % of rays/);
+});
+
+test('every bundled scene can be picked and is neither empty nor black', async () => {
+  await open('');
+  const names = await page.locator('#scene option').allTextContents();
+  for (const expected of ['blocks', 'dice', 'room', 'solids/cube', 'solids/dodecahedron', 'bricks/brick-2x4']) {
+    assert.ok(names.includes(expected), `${expected} is not among ${names}`);
+  }
+  for (const name of ['dice', 'room', 'blocks']) {
+    const picture = await pictureAfter(() => page.locator('#scene').selectOption(name));
+    assert.ok(contrast(picture) > 10, `${name} has a contrast of ${contrast(picture)}`);
+  }
+});
+
+test('the radius slider changes the picture, and back', async () => {
+  await open('#scene=solids/cube');
+  const own = await blockMeans(page);
+  const round = await pictureAfter(() => setRadius(1000));
+  assert.ok(changedShare(own, round) > 0.02, `only ${changedShare(own, round)} of the picture has changed`);
+  assert.ok(await page.evaluate(() => Number(document.getElementById('radius-text').textContent) > 0.49));
+  const back = await pictureAfter(() => page.locator('#reset-radius').click());
+  assert.ok(changedShare(own, back) < 0.005, `${changedShare(own, back)} of the picture is not as it was`);
+});
+
+test('none and analytic are two pictures', async () => {
+  await open('#scene=solids/cube&radius=0.3');
+  const analytic = await blockMeans(page);
+  const none = await pictureAfter(() => page.locator('input[value="none"]').check({ force: true }));
+  assert.ok(changedShare(analytic, none) > 0.01, `only ${changedShare(analytic, none)} of the picture has changed`);
+  assert.match(await page.locator('#status').textContent(), / 0\.0 % of rays/);
+  assert.ok(await page.locator('#radius').isDisabled());
+  const again = await pictureAfter(() => page.locator('input[value="analytic"]').check({ force: true }));
+  assert.ok(changedShare(analytic, again) < 0.005);
+});
+
+test('dragging orbits, the wheel zooms, and the address keeps the view', async () => {
+  await open('#scene=dice');
+  const own = await blockMeans(page);
+  const { x, y } = await middleOfPicture();
+  const turned = await pictureAfter(async () => {
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + 90, y - 30, { steps: 6 });
+    await page.mouse.up();
+  });
+  assert.ok(changedShare(own, turned) > 0.1);
+  await addressAfter('camera=');
+  const near = await pictureAfter(() => page.mouse.wheel(0, -600));
+  assert.ok(changedShare(turned, near) > 0.1);
+
+  await page.waitForTimeout(400); // the address follows the view with a small delay
+  const link = await page.evaluate(() => location.hash);
+  await page.goto('about:blank');
+  await open(link);
+  assert.ok(changedShare(near, await blockMeans(page)) < 0.01);
+});
+
+test('one finger orbits, two fingers zoom', async () => {
+  await open('#scene=dice');
+  const own = await blockMeans(page);
+  const { x, y } = await middleOfPicture();
+  const touch = await page.context().newCDPSession(page);
+  const send = (type, points) => touch.send('Input.dispatchTouchEvent', { type, touchPoints: points });
+  const turned = await pictureAfter(async () => {
+    await send('touchStart', [{ x, y }]);
+    for (let i = 1; i <= 5; i++) await send('touchMove', [{ x: x + 15 * i, y }]);
+    await send('touchEnd', []);
+  });
+  assert.ok(changedShare(own, turned) > 0.1);
+  const near = await pictureAfter(async () => {
+    const fingers = (gap) => [{ x: x - gap, y, id: 1 }, { x: x + gap, y, id: 2 }];
+    await send('touchStart', fingers(20));
+    for (let gap = 25; gap <= 60; gap += 5) await send('touchMove', fingers(gap));
+    await send('touchEnd', []);
+  });
+  assert.ok(changedShare(turned, near) > 0.1);
+});
+
+test('the keyboard turns the view, and Home brings it back', async () => {
+  await open('#scene=solids/cube');
+  const own = await blockMeans(page);
+  await page.locator('#picture').focus();
+  const turned = await pictureAfter(async () => {
+    for (let i = 0; i < 5; i++) await page.keyboard.press('ArrowLeft');
+  });
+  assert.ok(changedShare(own, turned) > 0.03);
+  const home = await pictureAfter(() => page.keyboard.press('Home'));
+  assert.ok(changedShare(own, home) < 0.005);
+});
+
+test('a click says what is there', async () => {
+  // Straight at the middle of the cube's front face, then at the same place of a cube that is all but a ball.
+  await open('#scene=solids/cube&camera=0,-4,0,0,0,0,0,0,1,30');
+  const { x, y } = await middleOfPicture();
+  await page.mouse.click(x + 20, y - 20);
+  await page.locator('#point').waitFor();
+  const flat = await page.locator('#point').textContent();
+  assert.match(flat, /flat: an unrounded part.*Normal0\.0000, -1\.0000, 0\.0000/);
+  await pictureAfter(() => setRadius(1000));
+  assert.ok(await page.locator('#point').isHidden());
+  await page.mouse.click(x + 20, y - 20);
+  await page.locator('#point').waitFor();
+  assert.match(await page.locator('#point').textContent(), /sphere: a rounded corner/);
+});
+
+test('a link to a view sets every control', async () => {
+  await open('#scene=solids/octahedron&radius=0.2&rounding=none');
+  assert.equal(await page.locator('#scene').inputValue(), 'solids/octahedron');
+  assert.equal(await page.locator('#radius-text').textContent(), '0.2');
+  assert.ok(await page.locator('input[value="none"]').isChecked());
+});
+
+test('a link to a scene that is not there says so and shows another one', async () => {
+  await page.goto(`${server.url}/#scene=no/such`);
+  await page.locator('#problem').waitFor();
+  assert.match(await page.locator('#problem').textContent(), /no scene “no\/such”/);
+  await waitForSamples(page, 1);
+});
+
+test('the picture can be saved as a PNG', async () => {
+  await open('#scene=solids/cube');
+  const [download] = await Promise.all([page.waitForEvent('download'), page.locator('#download').click()]);
+  assert.equal(download.suggestedFilename(), 'solids-cube-analytic.png');
+  const bytes = readFileSync(await download.path());
+  assert.equal(bytes.subarray(1, 4).toString('latin1'), 'PNG');
+  const canvas = await page.evaluate(() => {
+    const { width, height } = document.getElementById('picture');
+    return [width, height];
+  });
+  assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], canvas);
+});
+
+test('the page says that the server is away, and goes on when it is back', async () => {
+  await open('#scene=solids/cube');
+  const { port } = server;
+  assert.equal(await server.stop(), 0);
+  await page.locator('input[value="none"]').check({ force: true });
+  await page.waitForFunction(() => document.getElementById('status').textContent.includes('does not answer'));
+  server = await startServer(paths.chamferd, root.root, port);
+  await waitForSamples(page, SAMPLES);
+  // The browser itself reports connections that were refused; nothing else may be wrong.
+  const others = faults.filter((fault) => !/ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE/.test(fault));
+  faults.length = 0;
+  assert.deepEqual(others, []);
+});

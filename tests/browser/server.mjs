@@ -1,0 +1,60 @@
+// The real programs on a copy of the bundled data: chamferprep rounds it, chamferd serves it.
+import { spawn, spawnSync } from 'node:child_process';
+import { cpSync, mkdtempSync, readdirSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+const START_MS = 60_000;
+const STOP_MS = 15_000;
+
+/** Copies `data` to a temporary folder and rounds its solids and bricks. Returns the folder and how to remove it. */
+export function makeRoot(chamferprep, data) {
+  const root = mkdtempSync(join(tmpdir(), 'chamfer-browser-'));
+  const remove = () => rmSync(root, { recursive: true, force: true });
+  try {
+    cpSync(data, root, { recursive: true, filter: (source) => !source.endsWith('.chamfer') });
+    for (const [folder, radius] of [['solids', '0.08'], ['bricks', '0.05']]) {
+      const meshes = readdirSync(join(root, folder)).map((name) => join(root, folder, name));
+      const run = spawnSync(chamferprep, [...meshes, '--radius', radius], { encoding: 'utf8' });
+      if (run.error) throw new Error(`cannot run ${chamferprep}: ${run.error.message}; build the target chamferprep`);
+      if (run.status !== 0) throw new Error(`chamferprep on ${folder} ended with ${run.status}: ${run.stderr}`);
+    }
+  } catch (error) {
+    remove();
+    throw error;
+  }
+  return { root, remove };
+}
+
+/** Starts chamferd on `root`; port 0 means any free one. Resolves once it has printed its address. */
+export async function startServer(chamferd, root, port = 0) {
+  const child = spawn(chamferd, ['serve', root, '--port', String(port)], { stdio: ['ignore', 'pipe', 'pipe'] });
+  let output = '';
+  const ended = new Promise((resolve) => child.once('close', (status, signal) => resolve(status ?? signal)));
+  const address = new Promise((resolve, reject) => {
+    const listen = (chunk) => {
+      output += chunk;
+      const found = output.match(/http:\/\/[\w.]+:(\d+)/);
+      if (found) resolve({ url: found[0], port: Number(found[1]) });
+    };
+    child.stdout.setEncoding('utf8').on('data', listen);
+    child.stderr.setEncoding('utf8').on('data', listen);
+    child.once('error', (cause) => reject(new Error(`cannot run ${chamferd}: ${cause.message}; build the target chamferd`)));
+    ended.then((status) => reject(new Error(`chamferd ended with ${status}: ${output}`)));
+    setTimeout(() => reject(new Error(`chamferd printed no address: ${output}`)), START_MS).unref();
+  });
+  /** Ends it as an operator would; resolves to its exit status. */
+  const stop = async () => {
+    child.kill('SIGTERM');
+    const timer = setTimeout(() => child.kill('SIGKILL'), STOP_MS);
+    const status = await ended;
+    clearTimeout(timer);
+    return status;
+  };
+  try {
+    return { ...(await address), stop, output: () => output };
+  } catch (error) {
+    child.kill('SIGKILL');
+    throw error;
+  }
+}
