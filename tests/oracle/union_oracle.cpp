@@ -1,0 +1,57 @@
+#include "tests/oracle/union_oracle.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+
+namespace chamfer::oracle {
+
+void UnionOracle::add(std::shared_ptr<const RoundedOracle> solid, const Affine& worldFromObject) {
+  const Eigen::Matrix<Real, 3, 3> inverse = worldFromObject.linear.cast<Real>().inverse();
+  parts_.push_back({std::move(solid), inverse, -(inverse * worldFromObject.offset.cast<Real>())});
+}
+
+Ray UnionOracle::toObject(const Part& part, const Ray& ray) const {
+  return {(part.objectFromWorld * ray.origin.cast<Real>() + part.offset).cast<double>(),
+          (part.objectFromWorld * ray.direction.cast<Real>()).cast<double>(), ray.tnear};
+}
+
+std::optional<Hit> UnionOracle::firstHit(const Ray& ray) const {
+  std::optional<Hit> best;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const auto end = parts_[i].solid->firstEndBeyond(toObject(parts_[i], ray));
+    if (!end || (best && best->t <= end->t)) continue;
+    best = Hit{end->t, (parts_[i].objectFromWorld.transpose() * end->normal).normalized(), end->feature, i};
+  }
+  return best;
+}
+
+NearestShare UnionOracle::nearest(std::size_t part, const Vec3& worldPoint) const {
+  const Part& p = parts_[part];
+  const Nearest n = p.solid->nearest(p.objectFromWorld * worldPoint + p.offset);
+  const Real diagonal = p.solid->diagonal();
+  return {(n.distance - p.solid->radius()) / diagonal, n.seamDistance / diagonal,
+          (p.objectFromWorld.transpose() * n.normal).normalized(), n.feature};
+}
+
+Real UnionOracle::ambiguity(const Ray& ray) const {
+  Real least = std::numeric_limits<Real>::infinity();
+  std::vector<std::pair<Real, Real>> ends; // t and how much of its diagonal a unit of t is
+  for (const Part& part : parts_) {
+    const Ray local = toObject(part, ray);
+    least = std::min(least, std::abs(part.solid->silhouetteMargin(local)) / part.solid->diagonal());
+    const auto inside = part.solid->interval(local);
+    if (!inside) continue;
+    const Real share = local.direction.cast<Real>().norm() / part.solid->diagonal();
+    const std::size_t others = ends.size();
+    for (const Real t : {inside->in.t, inside->out.t}) {
+      least = std::min(least, std::abs(t - ray.tnear) * share);
+      for (std::size_t k = 0; k < others; ++k)
+        least = std::min(least, std::abs(t - ends[k].first) * std::min(share, ends[k].second));
+      ends.emplace_back(t, share);
+    }
+  }
+  return least;
+}
+
+} // namespace chamfer::oracle
