@@ -10,7 +10,8 @@ import { decodeView, encodeView } from './viewstate.js';
 
 const SAMPLES = 256;
 const LARGEST_PICTURE = 1_100_000; // pixels; more would only make the first picture late
-const RELOAD_MS = 3000; // while scenes are loading, or the server is away
+const RELOAD_MS = 1000; // while scenes are loading, or the server is away
+const NO_SCENES = 'The server has no scenes: it found neither meshes with sidecars nor scene files.';
 const ROOM_MARGIN = 0.03;
 const ZOOM_RANGE = [0.02, 20]; // of the distance with which a scene starts
 
@@ -42,7 +43,7 @@ async function loadScenes() {
   panel.listScenes(state.scenes);
   if (state.scenes.some((scene) => scene.state === 'loading')) setTimeout(loadScenes, RELOAD_MS);
   if (state.scene) return panel.showScene(state.scene);
-  if (state.scenes.length === 0) return panel.showProblem('The server has no scenes: it found neither meshes with sidecars nor scene files.');
+  panel.showProblem(state.scenes.length > 0 ? '' : NO_SCENES);
   await followAddress();
 }
 
@@ -52,9 +53,16 @@ const isReady = ({ state: word = 'ready' }) => word === 'ready';
 async function followAddress() {
   const wanted = decodeView(location.hash);
   const listed = state.scenes.find((scene) => scene.name === wanted.scene);
-  if (wanted.scene !== null && !listed) panel.showProblem(`The server has no scene “${wanted.scene}”.`);
-  const chosen = listed ?? firstScene();
-  if (chosen) await showScene(chosen, listed ? wanted : { ...wanted, camera: null, radius: null });
+  if (listed?.state === 'loading') return; // loadScenes() comes back to it
+  const fault = wanted.scene === null ? '' : faultOf(listed, wanted.scene);
+  const chosen = fault || !listed ? firstScene() : listed;
+  if (chosen) await showScene(chosen, chosen === listed ? wanted : { rounding: wanted.rounding });
+  if (fault) panel.showProblem(fault);
+}
+
+function faultOf(listed, name) {
+  if (!listed) return `The server has no scene “${name}”.`;
+  return isReady(listed) ? '' : `“${name}” cannot be shown: ${listed.error ?? listed.state}`;
 }
 
 /** Scene files before single meshes, which lie in folders. */

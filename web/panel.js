@@ -16,14 +16,18 @@ export class Panel {
     byId('reset-camera').addEventListener('click', handlers.resetCamera);
   }
 
-  /** Fills the picker; scenes that are not ready are listed but cannot be picked. */
+  /** Fills the picker, by folder; scenes that are not ready are listed, with the reason, but cannot be picked. */
   listScenes(scenes) {
-    const options = scenes.map(({ name, state = 'ready' }) => {
-      const option = new Option(state === 'ready' ? name : `${name} (${state})`, name);
+    const groups = new Map([['', document.createDocumentFragment()]]);
+    for (const { name, state = 'ready', error } of scenes) {
+      const [folder, title] = [name.slice(0, Math.max(0, name.lastIndexOf('/'))), name.slice(name.lastIndexOf('/') + 1)];
+      const option = new Option(state === 'ready' ? title : `${title} (${state})`, name);
       option.disabled = state !== 'ready';
-      return option;
-    });
-    byId('scene').replaceChildren(...options);
+      option.title = error ?? '';
+      if (!groups.has(folder)) groups.set(folder, Object.assign(document.createElement('optgroup'), { label: folder }));
+      groups.get(folder).append(option);
+    }
+    byId('scene').replaceChildren(...groups.values());
     byId('scene').disabled = scenes.length === 0;
   }
 
