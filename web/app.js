@@ -105,6 +105,7 @@ function changed({ moving = false } = {}) {
   panel.showRounding(state.rounding, state.scale !== null);
   panel.showRadius(state.scale, radius, { own, enabled: state.scale !== null && state.rounding !== 'none' });
   forgetPoint();
+  panel.showProblem('');
   renderer.show(view(), { moving });
   writeAddress();
 }

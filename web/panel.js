@@ -6,6 +6,8 @@ const byId = (id) => document.getElementById(id);
 export class Panel {
   /** `handlers`: scene(name), rounding(word), radius(position, {final}), resetRadius(), resetCamera(). */
   constructor(handlers) {
+    this.failure = '';
+    this.notice = '';
     this.roundings = [...document.querySelectorAll('input[name="rounding"]')];
     byId('scene').addEventListener('change', (event) => handlers.scene(event.target.value));
     for (const radio of this.roundings) radio.addEventListener('change', () => handlers.rounding(radio.value));
@@ -62,12 +64,20 @@ export class Panel {
   showStatus(status) {
     byId('status').textContent = statusText(status);
     byId('activity').dataset.phase = status.phase;
-    this.showProblem(status.phase === 'failed' ? status.message : '');
+    this.failure = status.phase === 'failed' ? status.message : '';
+    this.#showFault();
     // The running figures would drown a screen reader: it is told of the ends only.
     if (['done', 'waiting'].includes(status.phase)) byId('announcement').textContent = statusText(status);
   }
 
+  /** A message over the picture, '' for none; a failure of the rendering itself goes before it. */
   showProblem(text) {
+    this.notice = text;
+    this.#showFault();
+  }
+
+  #showFault() {
+    const text = this.failure || this.notice;
     const problem = byId('problem');
     if (problem.textContent !== text) problem.textContent = text;
     problem.hidden = text === '';
