@@ -20,6 +20,12 @@ int main(int argc, char** argv) {
                  "bounding box diagonal (2%)")
       ->required();
   app.add_option("-o,--output", options.output, "Where to write: a folder, or a file for a single mesh");
+  app.add_option(
+      "--mesh", options.explicitMesh,
+      "Also write the rounded solids as an explicit mesh (.obj, with vertex normals), for other engines");
+  app.add_option("--segments", options.segments, "Segments of the explicit mesh across each edge (1 to 256)")
+      ->capture_default_str()
+      ->check(CLI::Range(1u, 256u));
   app.add_option("--clamp", p.clamp,
                  "Round each solid with at most this share of its own inradius (0 to 0.999)")
       ->check(CLI::Range(0.0, 0.999));
@@ -57,6 +63,11 @@ int main(int argc, char** argv) {
   } catch (const Error& e) {
     std::fprintf(stderr, "chamferprep: %s\n", e.what());
     return exitStatus(e.kind());
+  }
+  if (!options.explicitMesh.empty() &&
+      (options.meshes.size() > 1 || options.explicitMesh.extension() != ".obj")) {
+    std::fputs("chamferprep: --mesh names one .obj file, for a single MESH\n", stderr);
+    return exitStatus(ErrorKind::Usage);
   }
   return runPrepCommand(options);
 }

@@ -1,6 +1,7 @@
 #include "preprocess/cli/prep_command.h"
 
 #include "common/error.h"
+#include "preprocess/explicit_mesh.h"
 
 #include <chrono>
 #include <cstdio>
@@ -18,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 struct Outcome {
   PreprocessReport report;
   std::filesystem::path sidecar;
-  std::size_t sidecarBytes = 0;
+  std::size_t sidecarBytes = 0, explicitTriangles = 0;
   double readSeconds = 0, seconds = 0;
 };
 
@@ -72,6 +73,11 @@ Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path&
   const PreprocessResult result = preprocess(mesh, preprocessOptions);
   outcome.seconds = seconds(read);
   outcome.report = result.report;
+  if (!options.explicitMesh.empty()) {
+    const ExplicitMesh rounded = explicitMesh(result.rounding->view(), mesh, options.segments);
+    outcome.explicitTriangles = rounded.triangles.size();
+    if (!options.dryRun) writeExplicitMesh(options.explicitMesh, rounded);
+  }
   outcome.sidecar = sidecarPath(options, path);
   outcome.sidecarBytes =
       options.dryRun ? serializedSize(*result.rounding) : writeSidecar(outcome.sidecar, *result.rounding);
@@ -110,6 +116,7 @@ Json toJson(const std::filesystem::path& mesh, const PrepCommandOptions& options
                 {"core", r.times.core},
                 {"detection", r.times.detection},
                 {"pack", r.times.pack}}},
+              {"explicit_triangles", o.explicitTriangles},
               {"warnings", r.warnings}};
 }
 
@@ -133,6 +140,10 @@ void printReport(const std::filesystem::path& mesh, const PrepCommandOptions& op
               options.dryRun ? "not written, " : "", o.sidecar.c_str(), o.sidecarBytes,
               r.roundedEdges ? double(o.sidecarBytes) / double(r.roundedEdges) : 0.0, o.seconds,
               o.readSeconds);
+  if (!options.explicitMesh.empty())
+    std::printf("  %s%s: %zu triangles with %u segments across each edge\n",
+                options.dryRun ? "not written, " : "", options.explicitMesh.c_str(), o.explicitTriangles,
+                options.segments);
   for (const std::string& w : r.warnings)
     std::printf("  warning: %s\n", w.c_str());
 }

@@ -1,0 +1,30 @@
+// The rounded solids as an explicit triangle mesh: for engines without analytic rounding, and as the baseline
+// that analytic rounding is compared with.
+#pragma once
+
+#include "common/rounding.h"
+#include "preprocess/mesh.h"
+
+#include <filesystem>
+
+namespace chamfer {
+
+/// Closed and manifold for each rounded solid; unwelded between solids.
+struct ExplicitMesh {
+  std::vector<Point3> positions; ///< mesh coordinates
+  std::vector<Vector3> normals;  ///< unit, one per position: the rounded surface's own normal there
+  std::vector<std::array<std::uint32_t, 3>> triangles; ///< counter-clockwise seen from outside
+  std::vector<std::uint32_t>
+      meshTriangle; ///< for each triangle one of the original mesh whose material it takes
+};
+
+/// Each rounded edge becomes `segments` (>= 1) strips, each sphere a grid with as many segments along its
+/// sides, each flat a polygon. All vertices lie on the exact surface R. Triangles of `mesh` that stay sharp
+/// are copied.
+ExplicitMesh explicitMesh(const RoundingView& view, const TriangleMesh& mesh, unsigned segments);
+
+/// Writes an OBJ with vertex normals. Throws Error(CannotWrite), Error(Internal) when a solid's surface is
+/// not closed and manifold.
+void writeExplicitMesh(const std::filesystem::path& path, const ExplicitMesh& mesh);
+
+} // namespace chamfer
