@@ -1,4 +1,5 @@
-// Rendering of tiles: a pure function of scene, settings and tile. Same input, same bits, with any number of threads.
+// Rendering of tiles: a pure function of scene, settings and tile. Same input, same bits, with any number of
+// threads.
 #pragma once
 
 #include "server/render/scene.h"
@@ -23,7 +24,7 @@ struct RoundingChoice {
 };
 
 struct RenderSettings {
-  unsigned width = 0, height = 0;     ///< of the whole frame
+  unsigned width = 0, height = 0;          ///< of the whole frame
   unsigned firstSample = 0, endSample = 1; ///< samples s0 .. s1-1 of every pixel
   unsigned seed = 0;
   unsigned maxBounces = 8;
@@ -37,8 +38,9 @@ struct TileRect {
 
 struct RayStatistics {
   std::uint64_t cameraRays = 0, bounceRays = 0, shadowRays = 0;
-  std::uint64_t hits = 0, roundedHits = 0; ///< of camera and bounce rays; roundedHits: on a cylinder or sphere
-  std::uint64_t nonFiniteSamples = 0;      ///< replaced by black, counted
+  std::uint64_t hits = 0,
+                roundedHits = 0;      ///< of camera and bounce rays; roundedHits: on a cylinder or sphere
+  std::uint64_t nonFiniteSamples = 0; ///< replaced by black, counted
   RayStatistics& operator+=(const RayStatistics& o);
   std::uint64_t rays() const { return cameraRays + bounceRays + shadowRays; }
 };
@@ -54,9 +56,9 @@ const Scene& sceneOf(const PreparedScene& prepared);
 std::size_t memoryBytes(const PreparedScene& prepared);
 
 struct RenderControl {
-  unsigned threads = 0;                         ///< 0: all cores
-  std::function<bool()> cancelled;              ///< asked often; true: stop and throw Error(Cancelled)
-  std::function<void(double share)> progress;   ///< 0..1, from any thread
+  unsigned threads = 0;                       ///< 0: all cores
+  std::function<bool()> cancelled;            ///< asked often; true: stop and throw Error(Cancelled)
+  std::function<void(double share)> progress; ///< 0..1, from any thread
 };
 
 struct Image {

@@ -33,10 +33,12 @@ struct SceneMesh {
   std::filesystem::path file;
   std::shared_ptr<const TriangleMesh> mesh;
   std::shared_ptr<const TracedMesh> traced;
-  std::shared_ptr<const Rounding> rounding; ///< null: sharp until a radius is asked for, or for good
-  bool staysSharp = false; ///< a floor, a light: no radius ever rounds it
-  double radius = 0;                        ///< the largest radius in `rounding`; 0 when sharp
-  double maxRadius = 0;                     ///< smallest inradius; 0 when sharp or unknown
+  /// Null: sharp until a radius is asked for, or for good.
+  std::shared_ptr<const Rounding> rounding;
+  bool staysSharp = false;                      ///< a floor, a light: no radius ever rounds it
+  OnNonConvex onNonConvex = OnNonConvex::Error; ///< of its components, when it is rounded here
+  double radius = 0;                            ///< the largest radius in `rounding`; 0 when sharp
+  double maxRadius = 0; ///< smallest inradius; 0 when it stays sharp or cannot be rounded
 };
 
 struct SceneData; // materials, lights, textures: the renderer's own (scene_data.h)

@@ -1,0 +1,20 @@
+// Arbitrary output variables: what the first hit is, instead of the light that comes from it.
+#pragma once
+
+#include "server/render/render.h"
+
+namespace chamfer {
+
+/// Value and coverage of one sample. Misses are black with coverage 0, so a pixel's mean is premultiplied:
+/// divide by alpha for the mean over what was hit.
+struct AovSample {
+  Color value;
+  float coverage = 0;
+};
+
+/// Albedo: the base colour. Normal: world, outward, -1..1. Depth: distance from the ray's origin in world
+/// units, in all three channels. Feature: flat (0.25, 0.25, 0.25), cylinder (1, 0.5, 0), sphere (0, 0.5, 1).
+AovSample aovSample(const Scene& scene, const Tracer& tracer, Aov aov, const Ray& ray,
+                    RayStatistics& statistics);
+
+} // namespace chamfer

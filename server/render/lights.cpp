@@ -1,0 +1,166 @@
+#include "server/render/lights.h"
+
+#include "server/render/warp.h"
+
+#include <limits>
+
+namespace chamfer {
+namespace {
+
+/// Where a shadow ray to `target` must end so that it does not meet the surface `target` lies on. The tracer
+/// meets a triangle in float32: its t is off by some rounding errors of the coordinates, over the cosine.
+double shadowEnd(const Point3& p, const Vector3& toLight, const Point3& target, double cosine) {
+  constexpr double kErrors = 32 * double(std::numeric_limits<float>::epsilon());
+  const auto size = [](const Vector3& v) {
+    return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
+  };
+  const double coordinates = size(Vector3(p)) + size(Vector3(target));
+  return 1 - kErrors * (1 + coordinates / (length(toLight) * std::max(cosine, 1e-3)));
+}
+
+} // namespace
+
+Lights::Lights(std::shared_ptr<const Environment> environment, std::vector<DistantLight> distant,
+               std::vector<PointLight> points, const std::vector<EmissiveTriangle>& triangles,
+               const Bounds3& bounds)
+    : environment_(std::move(environment)), distant_(std::move(distant)), points_(std::move(points)),
+      triangles_(triangles) {
+  const double radius =
+      bounds.empty() ? 1 : std::max(bounds.diagonal() / 2, std::numeric_limits<double>::min());
+  const double disk = std::numbers::pi * radius * radius;
+  std::vector<double> power;
+  power.push_back(environment_ ? 4 * std::numbers::pi * disk * environment_->meanLuminance() : 0);
+  for (const DistantLight& light : distant_) {
+    const double half = light.angularDiameterDegrees * std::numbers::pi / 360, s = std::sin(half / 2);
+    oneMinusCos_.push_back(float(2 * s * s));
+    power.push_back(disk * luminance(light.irradiance));
+  }
+  for (const PointLight& light : points_)
+    power.push_back(4 * std::numbers::pi * luminance(light.intensity));
+
+  std::vector<double> weights;
+  double sum = 0;
+  for (const EmissiveTriangle& t : triangles_) {
+    weights.push_back(0.5 * length(cross(t.edge1, t.edge2)) * luminance(t.emission));
+    sum += weights.back();
+  }
+  power.push_back(2 * std::numbers::pi * sum);
+  double total = 0;
+  for (const double p : power)
+    total += p;
+  if (!(total > 0)) return;
+  // A share by power alone starves what is dim over all but near: everything keeps some chance.
+  std::size_t lit = 0;
+  for (const double p : power)
+    lit += p > 0;
+  for (double& p : power)
+    if (p > 0) p = 0.8 * p / total + 0.2 / double(lit);
+  choices_ = AliasTable(power);
+  if (sum > 0) {
+    triangleTable_ = AliasTable(weights);
+    triangleScale_ = choices_.probability(std::uint32_t(power.size() - 1)) / sum;
+  }
+}
+
+LightSample Lights::sample(const Point3& p, float choice, const Float2& u) const {
+  const AliasTable::Choice light = choices_.sample(choice);
+  LightSample s;
+  std::size_t index = light.index;
+  if (index == 0) {
+    s = sampleEnvironment(u);
+  } else if (--index < distant_.size()) {
+    s = sampleDistant(index, u);
+  } else if ((index -= distant_.size()) < points_.size()) {
+    s = samplePoint(index, p);
+  } else {
+    const AliasTable::Choice triangle = triangleTable_.sample(light.left);
+    return sampleTriangle(triangles_[triangle.index], p, u); // its density has the choice in it
+  }
+  if (s.delta)
+    s.radiance *= 1 / light.probability;
+  else
+    s.pdf *= light.probability;
+  return s;
+}
+
+LightSample Lights::sampleEnvironment(const Float2& u) const {
+  const Environment::Sample e = environment_->sample(u);
+  LightSample s;
+  s.toLight = Vector3(e.direction);
+  s.tfar = INFINITY;
+  s.pdf = e.pdf;
+  s.radiance = environment_->radiance(e.direction);
+  return s;
+}
+
+float Lights::distantPdf(std::size_t index) const { return 1 / (2 * kPi * oneMinusCos_[index]); }
+
+LightSample Lights::sampleDistant(std::size_t index, const Float2& u) const {
+  const DistantLight& light = distant_[index];
+  LightSample s;
+  s.tfar = INFINITY;
+  if (oneMinusCos_[index] == 0) {
+    s.toLight = light.direction;
+    s.radiance = light.irradiance;
+    s.pdf = 1;
+    s.delta = true;
+    return s;
+  }
+  s.toLight = Vector3(Frame(Vector3f(light.direction)).toWorld(warpToCone(u, oneMinusCos_[index])));
+  s.pdf = distantPdf(index);
+  s.radiance = light.irradiance * s.pdf; // uniform over a cone so narrow that its cosines are 1
+  return s;
+}
+
+LightSample Lights::samplePoint(std::size_t index, const Point3& p) const {
+  const PointLight& light = points_[index];
+  LightSample s;
+  s.toLight = light.position - p;
+  const double distanceSquared = lengthSquared(s.toLight);
+  if (!(distanceSquared > 0)) return s;
+  s.tfar = 1;
+  s.radiance = light.intensity * float(1 / distanceSquared);
+  s.pdf = 1;
+  s.delta = true;
+  return s;
+}
+
+LightSample Lights::sampleTriangle(const EmissiveTriangle& light, const Point3& p, const Float2& u) const {
+  const Float2 b = warpToTriangle(u);
+  const Point3 target = light.corner + light.edge1 * b.x + light.edge2 * b.y;
+  LightSample s;
+  s.toLight = target - p;
+  const double distanceSquared = lengthSquared(s.toLight);
+  const Vector3 normal = cross(light.edge1, light.edge2);
+  const double cosine = std::abs(dot(normal, s.toLight)) / std::sqrt(lengthSquared(normal) * distanceSquared);
+  if (!(distanceSquared > 0) || !(cosine > 0)) return s;
+  s.tfar = shadowEnd(p, s.toLight, target, cosine);
+  s.radiance = light.emission;
+  s.pdf = trianglePdf(light.emission, distanceSquared, cosine);
+  return s;
+}
+
+Color Lights::escaped(const Vector3f& d, float bsdfPdf) const {
+  Color sum;
+  if (empty()) return sum;
+  const auto weight = [&](std::size_t choice, auto pdf) {
+    if (!(bsdfPdf > 0)) return 1.f;
+    return powerHeuristic(bsdfPdf, choices_.probability(std::uint32_t(choice)) * pdf());
+  };
+  if (environment_) sum += environment_->radiance(d) * weight(0, [&] { return environment_->pdf(d); });
+  for (std::size_t i = 0; i < distant_.size(); ++i) {
+    if (oneMinusCos_[i] == 0) continue;
+    // 1 - cos from the chord, which keeps its digits for narrow cones.
+    const Vector3f chord = d - Vector3f(distant_[i].direction);
+    if (lengthSquared(chord) > 2 * oneMinusCos_[i]) continue;
+    sum += distant_[i].irradiance * (distantPdf(i) * weight(1 + i, [&] { return distantPdf(i); }));
+  }
+  return sum;
+}
+
+std::size_t Lights::memoryBytes() const {
+  return triangles_.size() * sizeof(EmissiveTriangle) + triangleTable_.memoryBytes() +
+         choices_.memoryBytes() + (environment_ ? environment_->memoryBytes() : 0);
+}
+
+} // namespace chamfer

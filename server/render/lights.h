@@ -1,0 +1,92 @@
+// All lights of a scene, sampled as one: next-event estimation picks a light by its power, then a direction
+// to it. Densities are per solid angle at the receiving point and include the choice of the light, so that
+// they can be weighed against a BSDF's (multiple importance sampling, Veach 1997).
+#pragma once
+
+#include "common/vec.h"
+#include "server/render/distribution.h"
+#include "server/render/environment.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace chamfer {
+
+/// A sun: light from a cone of directions, or from exactly one.
+struct DistantLight {
+  Vector3 direction;                 ///< towards the light, unit
+  Color irradiance;                  ///< on a surface that faces it
+  double angularDiameterDegrees = 0; ///< 0: a single direction
+};
+
+struct PointLight {
+  Point3 position;
+  Color intensity; ///< radiant intensity, power per solid angle
+};
+
+/// A sharp emissive triangle in world coordinates; radiates from both sides.
+struct EmissiveTriangle {
+  Point3 corner;
+  Vector3 edge1, edge2; ///< to the other corners
+  Color emission;
+};
+
+struct LightSample {
+  Vector3 toLight;    ///< from the receiving point: to a point on the light, or unit towards infinity
+  double tfar = 0;    ///< shadow rays along toLight end here (below 1: the light's own surface is left out)
+  Color radiance;     ///< arriving if nothing is in the way; over `pdf` for a delta
+  float pdf = 0;      ///< 0: no light from here
+  bool delta = false; ///< cannot be met by chance: `radiance` is already divided by the density
+};
+
+class Lights {
+public:
+  /// `bounds`: of what is to be lit; it sets the power of distant lights against that of near ones.
+  Lights(std::shared_ptr<const Environment> environment, std::vector<DistantLight> distant,
+         std::vector<PointLight> points, const std::vector<EmissiveTriangle>& triangles,
+         const Bounds3& bounds);
+
+  bool empty() const { return choices_.size() == 0; }
+  /// A direction to a light as seen from `p`. `choice` and `u` are uniform.
+  LightSample sample(const Point3& p, float choice, const Float2& u) const;
+
+  /// What a ray that leaves the scene along unit `d` sees, each part weighed against `bsdfPdf` (the density
+  /// with which the direction was drawn; 0: by a delta or from the camera, so that light sampling has no
+  /// share).
+  Color escaped(const Vector3f& d, float bsdfPdf) const;
+  /// Density with which sample() finds a point of an emissive triangle, from its emission, the squared
+  /// distance and the cosine there.
+  float trianglePdf(const Color& emission, double distanceSquared, double cosine) const {
+    return float(luminance(emission) * triangleScale_ * distanceSquared / cosine);
+  }
+  std::size_t memoryBytes() const;
+
+private:
+  LightSample sampleEnvironment(const Float2& u) const;
+  LightSample sampleDistant(std::size_t index, const Float2& u) const;
+  LightSample samplePoint(std::size_t index, const Point3& p) const;
+  LightSample sampleTriangle(const EmissiveTriangle& light, const Point3& p, const Float2& u) const;
+  float distantPdf(std::size_t index) const;
+
+  std::shared_ptr<const Environment> environment_;
+  std::vector<DistantLight> distant_;
+  std::vector<float> oneMinusCos_; ///< of each distant light's cone
+  std::vector<PointLight> points_;
+  std::vector<EmissiveTriangle> triangles_;
+  AliasTable triangleTable_;
+  AliasTable choices_;       ///< environment (if any), distant lights, point lights, all triangles (if any)
+  double triangleScale_ = 0; ///< density per area and unit of luminance, choice included
+};
+
+/// Power heuristic: weight of the technique with density `a` against one with `b`.
+inline float powerHeuristic(float a, float b) {
+  // Scaled by the larger, so that squares of large densities do not overflow.
+  const float m = std::max(a, b);
+  if (!(m > 0)) return 0;
+  if (std::isinf(m)) return std::isinf(a) ? 1.f : 0.f;
+  const float x = a / m, y = b / m;
+  return x * x / (x * x + y * y);
+}
+
+} // namespace chamfer

@@ -1,0 +1,34 @@
+// The light that arrives along one camera ray: a path with next-event estimation at every vertex, both
+// techniques weighed by multiple importance sampling (Veach and Guibas, "Optimally Combining Sampling
+// Techniques", SIGGRAPH 1995), ended by Russian roulette. Unbiased but for the limit on bounces; nothing is
+// clamped.
+#pragma once
+
+#include "server/render/lights.h"
+#include "server/render/render.h"
+#include "server/render/sampler.h"
+
+namespace chamfer {
+
+/// Dimension pairs of the sampler that a path starts with.
+inline constexpr std::uint32_t kPixelPair = 0, kLensPair = 1, kFirstPathPair = 2;
+
+class PathTracer {
+public:
+  /// All must outlive the path tracer. `maxBounces`: scattering events; 0 shows lights only.
+  PathTracer(const Scene& scene, const Tracer& tracer, const Lights& lights, unsigned maxBounces)
+      : scene_(scene), tracer_(tracer), lights_(lights), maxBounces_(maxBounces) {}
+  Color radiance(Ray ray, const Sampler& sampler, RayStatistics& statistics) const;
+
+private:
+  class Vertex;
+  Color directLight(const Vertex& vertex, const Float2& choice, const Float2& u,
+                    RayStatistics& statistics) const;
+
+  const Scene& scene_;
+  const Tracer& tracer_;
+  const Lights& lights_;
+  unsigned maxBounces_;
+};
+
+} // namespace chamfer

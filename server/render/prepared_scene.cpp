@@ -1,0 +1,132 @@
+#include "server/render/prepared_scene.h"
+
+#include "common/error.h"
+#include "server/render/surface.h"
+
+#include <sstream>
+
+namespace chamfer {
+namespace {
+
+std::string shown(double v) {
+  std::ostringstream s;
+  s.precision(9);
+  s << v;
+  return s.str();
+}
+
+/// World triangles of everything sharp that emits. A rounded emitter lies inside its mesh: light sampling
+/// leaves it out and scattered rays find it.
+std::vector<EmissiveTriangle> emissiveTriangles(const Scene& scene,
+                                                const std::vector<TracedInstance>& instances) {
+  const SceneData& data = *scene.data;
+  std::vector<EmissiveTriangle> list;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const InstanceSource& source = data.instanceSource[i];
+    const MeshMaterials& own = data.meshMaterials[source.mesh];
+    if (source.material != kNone ? !data.materials[source.material].emits() : own.ofTriangle.empty())
+      continue;
+    const bool extra = source.mesh >= scene.meshes.size();
+    const TriangleMesh& mesh =
+        *(extra ? data.extraMeshes[source.mesh - scene.meshes.size()] : scene.meshes[source.mesh]).mesh;
+    const Rounding* rounding = instances[i].rounding.get();
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const std::uint32_t id = source.material != kNone ? source.material : own.ofTriangle[t];
+      if (!data.materials[id].emits()) continue;
+      if (rounding && rounding->view().facetOfTriangle[t] != kNone) continue;
+      const Transform& world = instances[i].worldFromObject;
+      const auto& corners = mesh.triangles[t];
+      const Point3 a = world(mesh.positions[corners[0]]);
+      list.push_back({a, world(mesh.positions[corners[1]]) - a, world(mesh.positions[corners[2]]) - a,
+                      data.materials[id].emission});
+    }
+  }
+  return list;
+}
+
+std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, double radius, unsigned threads) {
+  PreprocessOptions options;
+  options.radius = {radius, false};
+  options.onNonConvex = mesh.onNonConvex;
+  options.threads = threads;
+  try {
+    return preprocess(*mesh.mesh, options).rounding;
+  } catch (const Error& e) {
+    throw Error(e.kind(), "mesh \"" + mesh.name + "\": " + e.what());
+  }
+}
+
+std::vector<std::shared_ptr<const Rounding>> chooseRoundings(const Scene& scene, const RoundingChoice& choice,
+                                                             unsigned threads) {
+  std::vector<std::shared_ptr<const Rounding>> roundings(scene.meshes.size());
+  if (choice.mode == RoundingMode::Mesh || choice.mode == RoundingMode::Bevel)
+    throw Error(ErrorKind::OutOfRange,
+                "this version renders rounding=analytic and rounding=none; mesh:K and bevel:N "
+                "are not available yet");
+  if (choice.mode == RoundingMode::None) return roundings;
+  if (!choice.radius) {
+    for (std::size_t i = 0; i < roundings.size(); ++i)
+      roundings[i] = scene.meshes[i].rounding;
+    return roundings;
+  }
+  const double radius = *choice.radius;
+  if (!std::isfinite(radius) || !(radius > 0))
+    throw Error(ErrorKind::OutOfRange, "the radius must be above 0, is " + shown(radius));
+  const SceneMesh* smallest = nullptr;
+  for (const SceneMesh& m : scene.meshes)
+    if (!m.staysSharp && m.maxRadius > 0 && (!smallest || m.maxRadius < smallest->maxRadius)) smallest = &m;
+  if (smallest && radius >= smallest->maxRadius)
+    throw Error(ErrorKind::RadiusTooLarge,
+                "the radius " + shown(radius) + " is too large: it must be below " +
+                    shown(smallest->maxRadius) + ", the inradius of mesh \"" + smallest->name + "\"");
+  for (std::size_t i = 0; i < roundings.size(); ++i)
+    if (!scene.meshes[i].staysSharp) roundings[i] = buildRounding(scene.meshes[i], radius, threads);
+  return roundings;
+}
+
+} // namespace
+
+PreparedScene::PreparedScene(std::shared_ptr<const Scene> scene,
+                             std::vector<std::shared_ptr<const Rounding>> roundings)
+    : scene_(std::move(scene)), roundings_(std::move(roundings)) {
+  const SceneData& data = *scene_->data;
+  std::vector<TracedInstance> all = ownInstances();
+  all.insert(all.end(), data.extraInstances.begin(), data.extraInstances.end());
+  lights_ = std::make_unique<Lights>(data.environment, data.distantLights, data.pointLights,
+                                     emissiveTriangles(*scene_, all), scene_->bounds);
+  tracer_ = makeTracer(std::move(all));
+}
+
+std::vector<TracedInstance> PreparedScene::ownInstances() const {
+  std::vector<TracedInstance> own = scene_->instances;
+  for (std::size_t i = 0; i < own.size(); ++i)
+    own[i].rounding = roundings_[scene_->data->instanceSource[i].mesh];
+  return own;
+}
+
+const Tracer& PreparedScene::ownTracer() const {
+  if (scene_->data->extraInstances.empty()) return *tracer_;
+  std::call_once(ownOnce_, [&] { ownTracer_ = makeTracer(ownInstances()); });
+  return *ownTracer_;
+}
+
+std::size_t PreparedScene::memoryBytes() const {
+  std::size_t bytes = tracer_->memoryBytes() + lights_->memoryBytes();
+  for (const SceneMesh& m : scene_->meshes)
+    bytes += m.mesh->positions.size() * sizeof(Point3) + m.mesh->triangles.size() * 3 * sizeof(std::uint32_t);
+  for (const Texture& t : scene_->data->textures)
+    bytes += t.memoryBytes();
+  return bytes;
+}
+
+std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const RoundingChoice& choice,
+                                             unsigned threads) {
+  auto roundings = chooseRoundings(*scene, choice, threads);
+  return std::make_shared<PreparedScene>(std::move(scene), std::move(roundings));
+}
+
+const Tracer& ownTracer(const PreparedScene& prepared) { return prepared.ownTracer(); }
+const Scene& sceneOf(const PreparedScene& prepared) { return prepared.scene(); }
+std::size_t memoryBytes(const PreparedScene& prepared) { return prepared.memoryBytes(); }
+
+} // namespace chamfer
