@@ -1,0 +1,40 @@
+// Conditional requests (RFC 9110, 13.1.2).
+#include "common/digest.h"
+#include "server/http/routes.h"
+
+namespace chamfer::http {
+
+bool clientHas(const Request& request, std::string_view etag) {
+  const std::string* field = request.header("if-none-match");
+  if (!field) return false;
+  std::string_view rest = *field;
+  for (;;) {
+    const std::size_t comma = rest.find(',');
+    std::string_view tag = rest.substr(0, comma);
+    while (tag.starts_with(' ') || tag.starts_with('\t'))
+      tag.remove_prefix(1);
+    while (tag.ends_with(' ') || tag.ends_with('\t'))
+      tag.remove_suffix(1);
+    if (tag.starts_with("W/")) tag.remove_prefix(2); // the comparison is weak
+    if (tag == "*" || tag == etag) return true;
+    if (comma == std::string_view::npos) return false;
+    rest.remove_prefix(comma + 1);
+  }
+}
+
+Response cacheable(const Request& request, std::string body, const char* contentType,
+                   const char* cacheControl) {
+  const std::string etag = '"' + digestOf(body).hex() + '"';
+  Response response;
+  response.headers.emplace_back("ETag", etag);
+  response.headers.emplace_back("Cache-Control", cacheControl);
+  if (clientHas(request, etag)) {
+    response.status = 304;
+    return response;
+  }
+  response.contentType = contentType;
+  response.body = std::move(body);
+  return response;
+}
+
+} // namespace chamfer::http

@@ -1,0 +1,128 @@
+// Tiles and frames: queue, prepare, render, encode.
+#include "server/http/log.h"
+#include "server/http/problem.h"
+#include "server/http/routes.h"
+#include "server/http/tile_request.h"
+#include "server/http/url.h"
+#include "server/render/image_io.h"
+
+#include <cstdio>
+
+namespace chamfer::http {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What makes a tile's URL name its bytes for good is the scene's digest in it.
+constexpr const char* kForever = "public, max-age=31536000, immutable";
+
+/// Server-Timing (W3C): durations in milliseconds.
+class Timing {
+public:
+  void lap(const char* name) {
+    const Clock::time_point now = Clock::now();
+    char text[64];
+    std::snprintf(text, sizeof text, "%s%s;dur=%.3f", text_.empty() ? "" : ", ", name,
+                  std::chrono::duration<double, std::milli>(now - since_).count());
+    text_ += text;
+    since_ = now;
+  }
+  const std::string& text() const { return text_; }
+
+private:
+  std::string text_;
+  Clock::time_point since_ = Clock::now();
+};
+
+Response redirectToId(const Request& request, const Scene& scene, std::string_view word,
+                      std::span<const std::string_view> segments) {
+  std::string location = "/v1/scenes/" + scene.id.hex() + '/' + std::string(word);
+  for (const std::string_view segment : segments)
+    location += '/' + std::string(segment);
+  if (!request.query.empty()) location += '?' + request.query;
+  Response response;
+  response.status = 307;
+  response.headers.emplace_back("Location", std::move(location));
+  response.headers.emplace_back("Cache-Control", "no-store"); // the name may stand for another scene soon
+  return response;
+}
+
+std::string encoded(const Image& image, const TileRequest& wanted) {
+  std::vector<std::byte> bytes;
+  switch (wanted.format) {
+  case ImageFormat::F16:
+    bytes = encodeF16(image, wanted.samples());
+    break;
+  case ImageFormat::Exr:
+    bytes = encodeExr(image);
+    break;
+  case ImageFormat::Png:
+    bytes = encodePng(image);
+    break;
+  }
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Response imageRoute(const Parts& parts, const Request& request, const std::shared_ptr<const Scene>& scene,
+                    const TileRequest& wanted) {
+  const std::string etag = '"' + answerDigest(scene->id, wanted).hex() + '"';
+  Response response;
+  response.headers.emplace_back("ETag", etag);
+  response.headers.emplace_back("Cache-Control", kForever);
+  if (clientHas(request, etag)) {
+    response.status = 304;
+    return response;
+  }
+  response.contentType = contentTypeOf(wanted.format);
+  if (request.method == "HEAD") return response; // known without rendering
+
+  Timing timing;
+  const RenderQueue::Slot slot = parts.queue.acquire(request.client, request.cancelled);
+  timing.lap("queue");
+  const auto ready = preparedFor(parts, scene, wanted.rounding, request.cancelled);
+  timing.lap("prepare");
+  const RenderControl control{parts.options.threads, request.cancelled, nullptr};
+  const RenderResult result = renderTile(*ready, wanted.settings, wanted.tile, control);
+  timing.lap("render");
+  response.body = encoded(result.image, wanted);
+  timing.lap("encode");
+
+  const RayStatistics& rays = result.statistics;
+  response.headers.emplace_back("Server-Timing", timing.text());
+  response.headers.emplace_back("X-Chamfer-Rays", std::to_string(rays.rays()));
+  response.headers.emplace_back("X-Chamfer-Hits", std::to_string(rays.hits));
+  response.headers.emplace_back("X-Chamfer-Rounded", std::to_string(rays.roundedHits));
+  if (rays.nonFiniteSamples > 0) {
+    response.headers.emplace_back("X-Chamfer-Non-Finite", std::to_string(rays.nonFiniteSamples));
+    logMessage(LogLevel::Warning, "request " + request.id + ": " + std::to_string(rays.nonFiniteSamples) +
+                                      " samples were not finite and count as black");
+  }
+  return response;
+}
+
+} // namespace
+
+Response tileRoute(const Parts& parts, const Request& request, const CatalogueEntry& entry,
+                   const std::string& scene, std::span<const std::string_view> segments) {
+  const TileRequest wanted = parseTile(segments, request.query);
+  const auto ready = readyScene(entry);
+  if (scene != ready->id.hex()) return redirectToId(request, *ready, "tiles", segments);
+  return imageRoute(parts, request, ready, wanted);
+}
+
+Response frameRoute(const Parts& parts, const Request& request, const CatalogueEntry& entry,
+                    const std::string& scene, std::span<const std::string_view> segments) {
+  const TileRequest wanted = parseFrame(segments, request.query);
+  const auto ready = readyScene(entry);
+  if (scene != ready->id.hex()) return redirectToId(request, *ready, "frames", segments);
+  Response response = imageRoute(parts, request, ready, wanted);
+  if (response.status == 200) {
+    const std::string base = entry.name.substr(entry.name.rfind('/') + 1);
+    response.headers.emplace_back("Content-Disposition", "attachment; filename*=UTF-8''" +
+                                                             percentEncode(base, false) + '.' +
+                                                             formatWord(wanted.format));
+  }
+  return response;
+}
+
+} // namespace chamfer::http

@@ -1,0 +1,110 @@
+#include "server/http/scene_json.h"
+
+#include "server/http/problem.h"
+#include "server/render/scene_data.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace chamfer::http {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Triple>
+Json triple(const Triple& t) {
+  return Json::array({t.x, t.y, t.z});
+}
+Json triple(const Color& c) { return Json::array({c.r, c.g, c.b}); }
+Json knownLength(double length) { return length > 0 ? Json(length) : Json(); }
+
+std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+std::size_t roundedEdges(const Rounding& rounding) {
+  const RoundingView& view = rounding.view();
+  std::size_t halfEdges = 0;
+  for (const SolidRecord& solid : view.solids.first(view.solidCount()))
+    halfEdges += solid.halfEdgeCount;
+  return halfEdges / 2;
+}
+
+Json meshJson(const SceneMesh& mesh) {
+  Json json{
+      {"name", mesh.name}, {"triangles", mesh.mesh->triangles.size()}, {"rounded", mesh.rounding != nullptr}};
+  json["solids"] = mesh.rounding ? Json(mesh.rounding->view().solidCount()) : Json();
+  json["rounded_edges"] = mesh.rounding ? roundedEdges(*mesh.rounding) : 0;
+  json["radius"] = {{"current", knownLength(mesh.radius)}, {"max", knownLength(mesh.maxRadius)}};
+  json["rounding_bytes"] = mesh.rounding ? mesh.rounding->bytes() : 0;
+  return json;
+}
+
+Json materialJson(const Material& material) {
+  return {{"name", material.name},
+          {"base_color", triple(material.baseColor)},
+          {"roughness", material.roughness},
+          {"metallic", material.metallic},
+          {"transmission", material.transmission},
+          {"ior", material.ior},
+          {"emission", triple(material.emission)}};
+}
+
+Json summary(const CatalogueEntry& entry, const std::string& root) {
+  const Scene* scene = entry.scene.get();
+  Json json{{"name", entry.name}};
+  json["id"] = scene ? Json(scene->id.hex()) : Json();
+  json["state"] = sceneStateWord(entry.state);
+  if (!entry.error.empty()) json["error"] = {{"kind", errorWord(entry.fault)}, {"detail", entry.error}};
+  json["triangles"] = scene ? Json(scene->triangles) : Json();
+  json["rounded_edges"] = scene ? Json(scene->roundedEdges) : Json();
+  json["bounds"] = nullptr;
+  json["radius"] = nullptr;
+  json["warnings"] = Json::array();
+  if (!scene) return json;
+  if (!scene->bounds.empty())
+    json["bounds"] = {{"min", triple(scene->bounds.lower)}, {"max", triple(scene->bounds.upper)}};
+  const RadiusRange radius = radiusRange(*scene);
+  json["radius"] = {{"current", knownLength(radius.current)}, {"max", knownLength(radius.max)}};
+  for (const std::string& warning : scene->warnings)
+    json["warnings"].push_back(withoutRoot(warning, root));
+  return json;
+}
+
+} // namespace
+
+RadiusRange radiusRange(const Scene& scene) {
+  RadiusRange range;
+  for (const SceneMesh& mesh : scene.meshes) {
+    if (mesh.staysSharp) continue;
+    range.current = std::max(range.current, mesh.radius);
+    if (mesh.maxRadius > 0) range.max = range.max > 0 ? std::min(range.max, mesh.maxRadius) : mesh.maxRadius;
+  }
+  return range;
+}
+
+std::string sceneSummaryJson(const CatalogueEntry& entry, const std::string& root) {
+  return dumped(summary(entry, root));
+}
+
+std::string sceneDetailJson(const CatalogueEntry& entry, const std::string& root) {
+  const Scene& scene = *entry.scene;
+  Json json = summary(entry, root);
+  json["instances"] = scene.instances.size();
+  json["meshes"] = Json::array();
+  for (const SceneMesh& mesh : scene.meshes)
+    json["meshes"].push_back(meshJson(mesh));
+  json["materials"] = Json::array();
+  if (scene.data)
+    for (const Material& material : scene.data->materials)
+      json["materials"].push_back(materialJson(material));
+  const Camera& camera = scene.camera;
+  json["camera"] = {{"eye", triple(camera.eye)},
+                    {"target", triple(camera.target)},
+                    {"up", triple(camera.up)},
+                    {"vfov_degrees", camera.vfovDegrees},
+                    {"aperture_diameter", camera.apertureDiameter},
+                    {"focus_distance", camera.focusDistance}};
+  json["load"] = {{"seconds", entry.loadSeconds}};
+  return dumped(json);
+}
+
+} // namespace chamfer::http
