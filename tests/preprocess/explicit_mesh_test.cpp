@@ -1,0 +1,86 @@
+// The explicit mesh is closed and manifold and lies on R; its volume and area converge to Steiner's formulas.
+#include "preprocess/explicit_mesh.h"
+
+#include "preprocess/preprocess.h"
+#include "tests/oracle/convex_families.h"
+#include "tests/oracle/rounded_oracle.h"
+#include "tests/support/mesh_of.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <map>
+
+namespace chamfer {
+namespace {
+
+struct Totals {
+  double volume = 0, area = 0;
+};
+
+Totals totals(const ExplicitMesh& mesh) {
+  Totals t;
+  for (const auto& v : mesh.triangles) {
+    const Vector3 a(mesh.positions[v[0]]), b(mesh.positions[v[1]]), c(mesh.positions[v[2]]);
+    t.volume += dot(a, cross(b, c)) / 6;
+    t.area += length(cross(b - a, c - a)) / 2;
+  }
+  return t;
+}
+
+/// Every directed edge once and its reverse once.
+bool closedManifold(const ExplicitMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k)
+      ++edges[{t[k], t[(k + 1) % 3]}];
+  return std::all_of(edges.begin(), edges.end(), [&](const auto& e) {
+    const auto back = edges.find({e.first.second, e.first.first});
+    return e.second == 1 && back != edges.end();
+  });
+}
+
+TEST(ExplicitMesh, ConvergesToSteinersFormulas) {
+  for (const auto& solid : oracle::familyCatalogue()) {
+    const double inradius = double(oracle::inball(solid).radius);
+    for (const double share : {0.2, 0.95}) {
+      const oracle::RoundedOracle truth(solid, share * inradius);
+      const TriangleMesh mesh = meshOf(solid);
+      PreprocessOptions options;
+      options.radius.value = share * inradius;
+      const auto result = preprocess(mesh, options);
+      double lastError = 1;
+      for (const unsigned segments : {2u, 8u, 32u}) {
+        const ExplicitMesh rounded = explicitMesh(result.rounding->view(), mesh, segments);
+        ASSERT_TRUE(closedManifold(rounded)) << solid.name << " at " << share << " with " << segments;
+        const Totals t = totals(rounded);
+        // Chords of k segments over an angle below pi miss at most (pi / 2k)^2 of the rounded part.
+        const double bound = std::pow(1.6 / segments, 2) + 2e-5;
+        const double error = std::abs(t.volume / double(truth.volume()) - 1);
+        EXPECT_LT(error, bound) << solid.name << " at " << share << " with " << segments;
+        EXPECT_LT(std::abs(t.area / double(truth.area()) - 1), bound) << solid.name << " with " << segments;
+        EXPECT_LE(error, lastError + 1e-5) << solid.name << " with " << segments;
+        lastError = error;
+      }
+    }
+  }
+}
+
+TEST(ExplicitMesh, VerticesLieOnTheRoundedSolidWithItsNormals) {
+  const auto solid = oracle::hullOnSphere(40, 7);
+  const double r = 0.4 * double(oracle::inball(solid).radius);
+  const oracle::RoundedOracle truth(solid, r);
+  PreprocessOptions options;
+  options.radius.value = r;
+  const TriangleMesh mesh = meshOf(solid);
+  const ExplicitMesh rounded = explicitMesh(preprocess(mesh, options).rounding->view(), mesh, 3);
+  for (std::size_t i = 0; i < rounded.positions.size(); ++i) {
+    const Point3& p = rounded.positions[i];
+    const auto near = truth.nearest(oracle::Vec3(p.x, p.y, p.z));
+    EXPECT_NEAR(double(near.distance), r, 1e-6);
+    const Vector3& n = rounded.normals[i];
+    EXPECT_GT(double(near.normal.dot(oracle::Vec3(n.x, n.y, n.z))), 1 - 1e-6);
+  }
+}
+
+} // namespace
+} // namespace chamfer

@@ -1,0 +1,153 @@
+#include "common/sidecar.h"
+
+#include "common/error.h"
+#include "preprocess/preprocess.h"
+#include "tests/oracle/convex_families.h"
+#include "tests/support/mesh_of.h"
+
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <random>
+#include <sys/stat.h>
+
+namespace chamfer {
+namespace {
+
+class SidecarTest : public testing::Test {
+protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("chamfer-sidecar-" + std::to_string(::getpid()) + "-" +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+    PreprocessOptions options;
+    options.radius = parseRadius("1%");
+    const oracle::ConvexSolid solids[] = {oracle::cube(), oracle::prism(40, 1), oracle::octahedron()};
+    result_ = preprocess(meshOf(solids), options);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static std::vector<std::byte> bytesOf(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
+    const auto bytes = std::as_bytes(std::span(text));
+    return {bytes.begin(), bytes.end()};
+  }
+
+  std::filesystem::path folder_;
+  PreprocessResult result_;
+};
+
+ErrorKind refusal(std::span<const std::byte> bytes, const Digest* expected = nullptr) {
+  try {
+    parseSidecar(bytes, expected);
+  } catch (const Error& e) {
+    return e.kind();
+  }
+  return ErrorKind::Internal;
+}
+
+TEST_F(SidecarTest, ComesBackAsItWas) {
+  const auto path = folder_ / "a.chamfer";
+  const std::size_t size = writeSidecar(path, *result_.rounding);
+  EXPECT_EQ(size, std::filesystem::file_size(path));
+  EXPECT_EQ(size, serializedSize(*result_.rounding));
+  const Digest digest = result_.rounding->meshDigest();
+  const auto read = readSidecar(path, &digest);
+  const RoundingView &a = result_.rounding->view(), &b = read->view();
+  EXPECT_EQ(a.solidCount(), b.solidCount());
+  EXPECT_TRUE(std::ranges::equal(a.spheres, b.spheres));
+  EXPECT_TRUE(std::ranges::equal(a.facetOfTriangle, b.facetOfTriangle));
+  EXPECT_GT(b.treeNodes.size(), 0u) << "the prism's caps have 40 cylinders each";
+}
+
+TEST_F(SidecarTest, TwoRunsWriteTheSameBytesAndLeaveNothingElse) {
+  writeSidecar(folder_ / "a.chamfer", *result_.rounding);
+  writeSidecar(folder_ / "b.chamfer", *result_.rounding);
+  EXPECT_EQ(bytesOf(folder_ / "a.chamfer"), bytesOf(folder_ / "b.chamfer"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 2);
+}
+
+TEST_F(SidecarTest, EveryTruncationIsDamage) {
+  writeSidecar(folder_ / "a.chamfer", *result_.rounding);
+  const auto bytes = bytesOf(folder_ / "a.chamfer");
+  for (std::size_t size = 0; size < bytes.size(); size += size < 256 ? 1 : 37)
+    EXPECT_EQ(refusal(std::span(bytes).first(size)), ErrorKind::DamagedSidecar) << size;
+}
+
+TEST_F(SidecarTest, EveryFlippedBitIsDamage) {
+  writeSidecar(folder_ / "a.chamfer", *result_.rounding);
+  auto bytes = bytesOf(folder_ / "a.chamfer");
+  for (std::size_t i = 0; i < bytes.size(); i += i < 256 ? 1 : 13)
+    for (const int bit : {0, 7}) {
+      bytes[i] ^= std::byte(1 << bit);
+      EXPECT_EQ(refusal(bytes), ErrorKind::DamagedSidecar) << "byte " << i << " bit " << bit;
+      bytes[i] ^= std::byte(1 << bit);
+    }
+}
+
+TEST_F(SidecarTest, AnotherMeshMakesItStale) {
+  writeSidecar(folder_ / "a.chamfer", *result_.rounding);
+  const Digest other{1, 2};
+  EXPECT_EQ(refusal(bytesOf(folder_ / "a.chamfer"), &other), ErrorKind::StaleSidecar);
+}
+
+TEST_F(SidecarTest, WrongIndicesAreFoundBehindRightChecksums) {
+  // Each change keeps the file well formed; only the invariants tell.
+  const auto refused = [&](auto&& change) {
+    const RoundingView& v = result_.rounding->view();
+    RoundingArrays a;
+    a.solids.assign(v.solids.begin(), v.solids.end());
+    a.facets.assign(v.facets.begin(), v.facets.end());
+    a.spheres.assign(v.spheres.begin(), v.spheres.end());
+    a.packed.assign(v.packed.begin(), v.packed.end());
+    a.wide.assign(v.wide.begin(), v.wide.end());
+    a.treeRoots.assign(v.treeRoots.begin(), v.treeRoots.end());
+    a.treeNodes.assign(v.treeNodes.begin(), v.treeNodes.end());
+    a.treeLeaves.assign(v.treeLeaves.begin(), v.treeLeaves.end());
+    a.facetOfTriangle.assign(v.facetOfTriangle.begin(), v.facetOfTriangle.end());
+    change(a);
+    const auto path = folder_ / "changed.chamfer";
+    writeSidecar(path, *makeRounding(std::move(a), {}));
+    return refusal(bytesOf(path)) == ErrorKind::DamagedSidecar;
+  };
+  EXPECT_FALSE(refused([](RoundingArrays&) {}));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.packed[3].twin = 60000; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.packed[3].twin = 3; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.packed[3].sphere = 8; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { std::swap(a.packed[0].sphere, a.packed[1].sphere); }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.packed[0].facet = 1; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.facets[0].first = 4; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.facets[0].solid = 1; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.facets[0].normal.x = 3; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.spheres[0].x = NAN; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.solids[0].radius = -1; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.solids[1].firstFacet = 4000; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.solids[0].halfEdgeCount = 22; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.facetOfTriangle[0] = 4000; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.treeLeaves[0] = 1 << 20; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.treeNodes[0].bits = 0; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.treeRoots.pop_back(); }));
+}
+
+TEST_F(SidecarTest, SizeIsWithinBudgetForManyBoxes) {
+  std::vector<oracle::ConvexSolid> boxes(500, oracle::cube());
+  PreprocessOptions options;
+  options.radius = parseRadius("1%");
+  const auto result = preprocess(meshOf(boxes), options);
+  EXPECT_LE(double(serializedSize(*result.rounding)) / double(result.report.roundedEdges), 48.0);
+}
+
+TEST_F(SidecarTest, AFolderThatCannotBeWrittenIsNamed) {
+  try {
+    writeSidecar(folder_ / "missing" / "a.chamfer", *result_.rounding);
+    FAIL() << "written";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::CannotWrite);
+  }
+}
+
+} // namespace
+} // namespace chamfer
