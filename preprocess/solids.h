@@ -1,8 +1,8 @@
 // From a mesh to its components, each a closed, consistently outward-oriented manifold surface, or a named
 // fault. Order of steps and tolerances: connected components by index first; welding by position only inside
-// what is open (soups: weld, then pair faces around edges that more than two share); degenerate triangles
-// dropped; orientation turned outward; closed, manifold and genus 0 checked. All lengths relative to each
-// component's own diagonal.
+// what is open (soups: weld, then pair faces around edges that more than two share); triangles that name a
+// vertex twice dropped; orientation turned outward; closed, manifold and genus 0 checked. All lengths
+// relative to each component's own diagonal.
 #pragma once
 
 #include "preprocess/mesh.h"
@@ -43,26 +43,34 @@ struct Fault {
 };
 
 /// One connected component. Vertices are compact and welded; every triangle is the file's, turned outward.
+/// Triangles without area but with three vertices are kept: they may be what closes the surface.
 struct Component {
   std::vector<Point3> positions;                       ///< mesh coordinates
   std::vector<std::array<std::uint32_t, 3>> triangles; ///< outward (counter-clockwise seen from outside)
-  std::vector<std::uint32_t> meshTriangle;             ///< the mesh's triangle of each
-  std::vector<std::uint32_t> opposite; ///< [3 * triangle + k]: 3 * neighbour + its edge across edge k -> k+1
+  std::vector<std::uint32_t> meshTriangle;             ///< the mesh's triangle of each, ascending
+  /// [3 * triangle + k]: 3 * neighbour + its edge across edge k -> k+1. Complete unless there is a fault;
+  /// then kNone (0xffffffff) where an edge has no or no single partner.
+  std::vector<std::uint32_t> opposite;
   std::vector<std::uint32_t>
-      degenerate; ///< mesh triangles dropped as zero-area; they get their neighbour's facet
+      degenerate; ///< mesh triangles dropped because they name a vertex twice; they have no area
+  std::vector<std::array<std::uint32_t, 2>>
+      duplicates; ///< {mesh triangle dropped, the mesh triangle it repeats}
   Bounds3 bounds;
-  bool turned = false; ///< was inside out
+  bool turned = false;               ///< was inside out
+  std::uint32_t turnedTriangles = 0; ///< turned to face outwards: all of them when it was inside out
   std::optional<Fault> fault;
 };
 
 struct ComponentCounts {
   std::size_t weldedVertices = 0, degenerateTriangles = 0, turned = 0, unusedVertices = 0,
               duplicateTriangles = 0;
+  std::size_t turnedTriangles = 0; ///< of components that were neither right nor wholly inside out
 };
 
 struct Components {
   std::vector<Component> list; ///< in order of their lowest mesh triangle
   ComponentCounts counts;
+  std::vector<std::string> warnings; ///< what was put right that might have been meant otherwise
 };
 
 /// Uses `threads` threads (0: all). Never throws for what the mesh is like: faults are in the components.
