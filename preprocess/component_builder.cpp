@@ -209,19 +209,19 @@ Fault ComponentBuilder::notClosed(const Component& component, const PairingCount
                  "it has " + counted(count, "triangle", "triangles") +
                      ", a solid has at least 4; open edge " + where,
                  double(count), middle, triangle);
-  if (open)
-    return fault(FaultKind::Open,
-                 "it is open: " + counted(counts.open, "edge has a triangle", "edges have a triangle") +
-                     " on one side only, the first " + where +
-                     (counts.crowded > 0
-                          ? "; and " + counted(counts.crowded, "edge is shared", "edges are shared") +
-                                " by more than two"
-                          : ""),
+  if (open) {
+    std::string message =
+        "it is open: " + counted(counts.open, "edge has a triangle", "edges have a triangle") +
+        " on one side only, the first " + where;
+    if (counts.crowded > 0)
+      message += "; " + counted(counts.crowded, "edge is shared", "edges are shared") + " by more than two";
+    return fault(FaultKind::Open, message + ". Close it; --weld joins vertices that nearly meet",
                  double(counts.open), middle, triangle);
-  const std::uint32_t sharing = pairer_.crowdedEnds().front();
+  }
   return fault(FaultKind::NonManifold,
                "it is not manifold: at " + counted(counts.crowded, "edge", "edges") +
-                   " more than two triangles meet, " + std::to_string(sharing) + " at the first, " + where,
+                   " more than two triangles meet, " + std::to_string(pairer_.crowdedEnds().front()) +
+                   " at the first, " + where + ". Solids that touch need vertices of their own",
                double(counts.crowded), middle, triangle);
 }
 

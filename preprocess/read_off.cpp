@@ -1,6 +1,7 @@
 // OFF (Geomview's), in the forms that hold 3D surfaces: OFF, COFF, NOFF, STOFF and their combinations, ASCII.
-// One vertex and one face a line, '#' comments anywhere. A reader of our own: those of CGAL and OpenMesh read
-// past wrong counts and broken numbers, or believe the header's counts before they have seen the file.
+// One vertex and one face a line, '#' comments anywhere. A reader of our own: CGAL's says true or false and
+// neither line nor value, takes a 4OFF for a surface in space and refuses "OFF8 6 12"; OpenMesh's returns
+// true for broken numbers and goes on for minutes where the counts are too large.
 #include "preprocess/read_formats.h"
 
 namespace chamfer {

@@ -1,6 +1,6 @@
 // PLY: ASCII, binary little-endian and big-endian. Elements in any order, polygons of any size, properties
-// that we do not use skipped by their declared type. A reader of our own: CGAL's and OpenMesh's allocate what
-// the header claims and read past values that do not parse.
+// that we do not use skipped by their declared type. A reader of our own: CGAL's lets vertex indices out of
+// range pass and names no place, OpenMesh's returns true for files that end early or hold words for numbers.
 #include "preprocess/read_formats.h"
 
 #include "common/rounding.h"

@@ -1,7 +1,7 @@
 // STL, binary and ASCII. Which of the two is decided by the size (84 bytes and 50 a facet), not by the first
 // word: binary files that begin with "solid" exist. Normals are not used: exporters write zeros and NaN
-// there. A reader of our own: assimp's and OpenMesh's guess where a file is damaged, CGAL's welds while it
-// reads.
+// there. A reader of our own: CGAL's merges equal points while it reads (welding is a later step here), reads
+// ASCII that it cannot parse as if it were binary, and names no place.
 #include "preprocess/read_formats.h"
 
 #include <algorithm>

@@ -6,7 +6,6 @@
 #include "preprocess/weld.h"
 
 #include <algorithm>
-#include <map>
 #include <tbb/enumerable_thread_specific.h>
 
 namespace chamfer {
@@ -130,21 +129,26 @@ private:
 
   /// Triangles at crowded edges that repeat another one, facing the same way.
   bool dropDuplicates() {
-    std::map<Triangle, std::uint32_t> seen;
+    struct Suspect {
+      Triangle corners; ///< from the lowest on
+      std::uint32_t index;
+    };
+    std::vector<Suspect> suspects;
+    for (const std::uint32_t h : pairer_.crowdedHalfEdges()) {
+      Suspect& s = suspects.emplace_back(Suspect{corners_[h / 3], h / 3});
+      std::rotate(s.corners.begin(), std::min_element(s.corners.begin(), s.corners.end()), s.corners.end());
+    }
+    std::sort(suspects.begin(), suspects.end(), [](const Suspect& a, const Suspect& b) {
+      return a.corners != b.corners ? a.corners < b.corners : a.index < b.index;
+    });
     std::vector<bool> drop(corners_.size());
-    std::vector<std::uint32_t> suspects;
-    for (const std::uint32_t h : pairer_.crowdedHalfEdges())
-      suspects.push_back(h / 3);
-    std::sort(suspects.begin(), suspects.end());
-    suspects.erase(std::unique(suspects.begin(), suspects.end()), suspects.end());
     bool any = false;
-    for (const std::uint32_t i : suspects) {
-      Triangle key = corners_[i];
-      std::rotate(key.begin(), std::min_element(key.begin(), key.end()), key.end());
-      const auto [at, isNew] = seen.emplace(key, meshTriangle_[i]);
-      if (isNew) continue;
-      duplicates_.push_back({meshTriangle_[i], at->second});
-      drop[i] = any = true;
+    std::uint32_t original = 0; // of the triangles with the same corners, the first
+    for (std::size_t i = 0; i < suspects.size(); ++i) {
+      if (i == 0 || suspects[i].corners != suspects[i - 1].corners) original = suspects[i].index;
+      if (suspects[i].index == original || drop[suspects[i].index]) continue;
+      duplicates_.push_back({meshTriangle_[suspects[i].index], meshTriangle_[original]});
+      drop[suspects[i].index] = any = true;
     }
     if (!any) return false;
     std::size_t kept = 0;
@@ -182,6 +186,7 @@ private:
   /// where a polygon's corner lies on the line between two others, the diagonals of both its faces join the
   /// same vertices.
   void pairWithinFaces(std::vector<std::uint32_t>& edge) {
+    if (mesh_.faceOfTriangle.empty()) return;
     const auto face = [&](std::uint32_t h) { return mesh_.faceOfTriangle[meshTriangle_[h / 3]]; };
     std::stable_sort(edge.begin(), edge.end(),
                      [&](std::uint32_t g, std::uint32_t h) { return face(g) < face(h); });

@@ -71,20 +71,16 @@ std::vector<Near> findNearPairs(std::span<const Point3> positions, std::span<con
 
 void weldExact(std::span<const Triangle> triangles, std::span<const Point3> positions,
                std::vector<std::uint32_t>& standsFor) {
-  std::vector<std::uint32_t> slots(std::bit_ceil(6 * triangles.size() + 2), kNone);
+  std::vector<std::uint32_t> slots(std::bit_ceil(6 * triangles.size() + 2), kNone); // open addressing
   const std::size_t mask = slots.size() - 1;
-  // First the lowest vertex of each place, whatever the order of the triangles; then the rest.
-  for (const bool assign : {false, true})
-    for (const Triangle& t : triangles)
-      for (const std::uint32_t v : t) {
-        std::size_t at = hashOf(positions[v]) & mask;
-        while (slots[at] != kNone && !(positions[slots[at]] == positions[v]))
-          at = (at + 1) & mask;
-        if (assign)
-          standsFor[v] = slots[at];
-        else
-          slots[at] = std::min(slots[at], v);
-      }
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t v : t) {
+      std::size_t at = hashOf(positions[v]) & mask;
+      while (slots[at] != kNone && !(positions[slots[at]] == positions[v]))
+        at = (at + 1) & mask;
+      if (slots[at] == kNone) slots[at] = v;
+      standsFor[v] = slots[at];
+    }
 }
 
 void weldNear(std::span<const Triangle> triangles, std::span<const Point3> positions,

@@ -1,5 +1,5 @@
 // Welding: which vertices are one because they lie at one place. Works on a map from each vertex to the
-// vertex that stands for it (itself at first, the lowest of those that are one after welding).
+// vertex that stands for it (itself at first).
 #pragma once
 
 #include "preprocess/half_edges.h"
