@@ -100,14 +100,14 @@ BsdfSample Bsdf::sample(float lobe, const Float2& u) const {
   if (lobe < reflect_ || refract_ == 0) {
     if (reflect_ == 0) return {};
     if (mirror_) return sampleMirror();
-    return finish(reflect(wo_, ggx_.sampleVisible(wo_, u)));
+    return sampleReflection(ggx_.sampleVisible(wo_, u));
   }
   const float choice = std::min((lobe - reflect_) / refract_, 0x1.fffffep-1f);
   const Vector3f m = clearGlass_ ? Vector3f(0, 0, 1) : ggx_.sampleVisible(wo_, u);
   const float fresnel = fresnelDielectric(std::max(0.f, dot(wo_, m)), eta_);
   if (choice < fresnel) {
     if (mirror_) return sampleMirror();
-    if (!clearGlass_) return finish(reflect(wo_, m));
+    if (!clearGlass_) return sampleReflection(m);
     return {}; // an index of 1 reflects nothing
   }
   if (clearGlass_) return sampleClearGlass();
@@ -116,6 +116,12 @@ BsdfSample Bsdf::sample(float lobe, const Float2& u) const {
   BsdfSample s = finish(wi);
   s.etaSquared = eta_ * eta_;
   return s;
+}
+
+BsdfSample Bsdf::sampleReflection(const Vector3f& m) const {
+  const Vector3f wi = reflect(wo_, m);
+  if (!(wi.z > 0)) return {}; // into the surface, by way of a second facet: what single scattering loses
+  return finish(wi);
 }
 
 /// The mirror direction, which both the reflecting parts and smooth glass choose: their weights add up.

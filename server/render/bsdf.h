@@ -51,6 +51,7 @@ private:
   Color reflectance(float cosine) const; ///< Fresnel of all reflecting parts at a microfacet
   BsdfValue evaluateReflection(const Vector3f& wi) const;
   BsdfValue evaluateTransmission(const Vector3f& wi) const;
+  BsdfSample sampleReflection(const Vector3f& m) const;
   BsdfSample sampleMirror() const;
   BsdfSample sampleClearGlass() const;
   BsdfSample finish(const Vector3f& wi) const;

@@ -5,7 +5,9 @@
 
 #include "server/render/sampler.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace chamfer {
 
@@ -20,12 +22,15 @@ public:
 private:
   PixelFilter();
   float inverse(float u) const {
-    const float x = u * kCells;
-    const int i = int(x);
-    return table_[std::size_t(i)] + (table_[std::size_t(i) + 1] - table_[std::size_t(i)]) * (x - float(i));
+    // By symmetry from the share of the filter that lies beyond the offset. Its fourth root opens up the
+    // tail, where the offset changes fast.
+    const float side = 2 * u - 1;
+    const float x = std::sqrt(std::sqrt(std::max(0.f, 1 - std::abs(side)))) * kCells;
+    const auto i = std::min(std::size_t(x), std::size_t(kCells - 1));
+    return std::copysign(table_[i] + (table_[i + 1] - table_[i]) * (x - float(i)), side);
   }
-  static constexpr int kCells = 512;
-  std::array<float, kCells + 1> table_; ///< inverse of the cumulative filter
+  static constexpr int kCells = 256;
+  std::array<float, kCells + 1> table_; ///< offset by fourth root of the share beyond it, from kRadius to 0
 };
 
 } // namespace chamfer

@@ -1,0 +1,168 @@
+#include "server/render/bsdf.h"
+
+#include "tests/render/direction_chi_squared.h"
+
+#include <gtest/gtest.h>
+#include <ostream>
+
+namespace chamfer {
+
+struct BsdfCase {
+  const char* name;
+  SurfaceValues surface; ///< base colour, roughness, metallic, specular, transmission, ior
+  bool inside;
+};
+static void PrintTo(const BsdfCase& c, std::ostream* out) { *out << c.name << (c.inside ? " inside" : ""); }
+
+namespace {
+
+using test::UniformNumbers;
+
+const BsdfCase kCases[] = {
+    {"diffuse", {{0.8f, 0.5f, 0.2f}, 0.5f, 0, 0, 0, 1.5f}, false},
+    {"white diffuse", {{1, 1, 1}, 0.5f, 0, 0, 0, 1.5f}, false},
+    {"plastic", {{0.7f, 0.1f, 0.1f}, 0.25f, 0, 0.5f, 0, 1.5f}, false},
+    {"rough white plastic", {{1, 1, 1}, 0.9f, 0, 1, 0, 1.8f}, false},
+    {"smooth plastic", {{0.6f, 0.6f, 0.9f}, 0, 0, 0.5f, 0, 1.5f}, false},
+    {"metal", {{0.9f, 0.7f, 0.3f}, 0.3f, 1, 0.5f, 0, 1.5f}, false},
+    {"white rough metal", {{1, 1, 1}, 1, 1, 0.5f, 0, 1.5f}, false},
+    {"half metal", {{0.9f, 0.7f, 0.3f}, 0.5f, 0.5f, 0.5f, 0, 1.5f}, false},
+    {"rough glass", {{1, 1, 1}, 0.6f, 0, 0.5f, 1, 1.5f}, false},
+    {"rough glass", {{1, 1, 1}, 0.6f, 0, 0.5f, 1, 1.5f}, true},
+    {"very rough tinted glass", {{0.4f, 0.9f, 0.6f}, 0.9f, 0, 0.5f, 1, 1.33f}, true},
+    {"clear glass", {{1, 1, 1}, 0, 0, 0.5f, 1, 1.5f}, false},
+    {"clear glass", {{1, 1, 1}, 0, 0, 0.5f, 1, 1.5f}, true},
+    {"everything", {{0.8f, 0.6f, 0.4f}, 0.5f, 0.3f, 0.7f, 0.4f, 1.45f}, false},
+    {"everything", {{0.8f, 0.6f, 0.4f}, 0.5f, 0.3f, 0.7f, 0.4f, 1.45f}, true},
+    {"everything smooth", {{0.8f, 0.6f, 0.4f}, 0, 0.3f, 0.7f, 0.4f, 1.45f}, false},
+    {"index 1", {{0.8f, 0.6f, 0.4f}, 0.5f, 0, 0.5f, 0.5f, 1}, false},
+};
+
+Vector3f fromAngle(double degrees) {
+  const double a = degrees * std::numbers::pi / 180;
+  return {float(std::sin(a) * 0.6), float(std::sin(a) * 0.8), float(std::cos(a))};
+}
+
+class BsdfTest : public testing::TestWithParam<BsdfCase> {};
+
+TEST_P(BsdfTest, SamplesFollowTheDensity) {
+  const BsdfCase& c = GetParam();
+  for (const double angle : {10.0, 50.0, 80.0}) {
+    const Bsdf bsdf(c.surface, fromAngle(angle), c.inside);
+    // Deltas and lost samples share the cell of what has no density.
+    const auto result = test::directionChiSquared(
+        [&](UniformNumbers& u) -> std::optional<Vector3f> {
+          const float lobe = u();
+          const BsdfSample s = bsdf.sample(lobe, u.pair());
+          if (!s.valid || s.delta) return {};
+          return s.wi;
+        },
+        [&](const Vector3f& wi) { return bsdf.evaluate(wi).pdf; }, 100000, 40, 20);
+    if (!bsdf.hasSmoothPart()) continue; // nothing but deltas: the next test has them
+    EXPECT_GT(result.pValue, test::kSignificance) << angle << " degrees: " << result.text();
+  }
+}
+
+TEST_P(BsdfTest, WeightsAreValueOverDensity) {
+  const BsdfCase& c = GetParam();
+  const Bsdf bsdf(c.surface, fromAngle(40), c.inside);
+  UniformNumbers u(1);
+  for (int i = 0; i < 2000; ++i) {
+    const float lobe = u();
+    const BsdfSample s = bsdf.sample(lobe, u.pair());
+    if (!s.valid) continue;
+    EXPECT_NEAR(length(s.wi), 1, 1e-5);
+    EXPECT_TRUE(isFinite(s.weight));
+    EXPECT_EQ(s.delta, s.pdf == 0);
+    EXPECT_EQ(s.etaSquared != 1, s.wi.z < 0 && c.surface.ior != 1);
+    if (s.delta) continue;
+    const BsdfValue v = bsdf.evaluate(s.wi);
+    EXPECT_NEAR(s.weight.g * s.pdf, v.f.g, 1e-4f * v.f.g);
+  }
+}
+
+TEST_P(BsdfTest, IsReciprocal) {
+  const BsdfCase& c = GetParam();
+  UniformNumbers u(2);
+  int compared = 0;
+  for (int i = 0; i < 4000; ++i) {
+    Vector3f wo = u.direction();
+    wo.z = std::abs(wo.z);
+    const Vector3f wi = u.direction();
+    if (wo.z < 0.02f || std::abs(wi.z) < 0.02f) continue;
+    const Bsdf forward(c.surface, wo, c.inside);
+    // Seen from the other side, wi is where the path comes from: its frame's z is on wi's side.
+    const float flip = wi.z > 0 ? 1.f : -1.f;
+    const Bsdf backward(c.surface, {wi.x, wi.y, wi.z * flip}, wi.z > 0 ? c.inside : !c.inside);
+    const float a = forward.evaluate(wi).f.g / std::abs(wi.z);
+    float b = backward.evaluate({wo.x, wo.y, wo.z * flip}).f.g / wo.z;
+    // Radiance over squared index is what is conserved across a boundary.
+    if (wi.z < 0) {
+      const float eta = c.inside ? 1 / c.surface.ior : c.surface.ior;
+      b /= eta * eta;
+    }
+    EXPECT_NEAR(a, b, 2e-3f * std::max(a, b) + 1e-6f) << "wo.z " << wo.z << " wi.z " << wi.z;
+    compared += a > 0;
+  }
+  const Bsdf any(c.surface, fromAngle(40), c.inside);
+  EXPECT_TRUE(compared > 500 || !any.hasSmoothPart());
+}
+
+/// What comes back of light that is 1 from everywhere, and its standard error; in units of squared index, so
+/// that radiance squeezed into glass does not count as gained.
+std::pair<double, double> whiteFurnace(const Bsdf& bsdf, int samples) {
+  double sum = 0, squares = 0;
+  UniformNumbers u(3);
+  for (int i = 0; i < samples; ++i) {
+    const float lobe = u();
+    const BsdfSample s = bsdf.sample(lobe, u.pair());
+    const double w = s.valid ? double(s.weight.r) * s.etaSquared : 0;
+    sum += w;
+    squares += w * w;
+  }
+  const double mean = sum / samples;
+  return {mean, std::sqrt(std::max(0.0, squares / samples - mean * mean) / samples)};
+}
+
+TEST_P(BsdfTest, NeverReflectsMoreThanItGets) {
+  const BsdfCase& c = GetParam();
+  SurfaceValues white = c.surface;
+  white.baseColor = {1, 1, 1};
+  for (const double angle : {0.0, 30.0, 60.0, 80.0, 89.0}) {
+    const auto [mean, error] = whiteFurnace(Bsdf(white, fromAngle(angle), c.inside), 100000);
+    EXPECT_LE(mean, 1 + 4 * error + 4e-3) << angle << " degrees"; // 4e-3: the albedo table's interpolation
+    EXPECT_GE(mean, 0.3) << angle << " degrees";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Materials, BsdfTest, testing::ValuesIn(kCases));
+
+TEST(Bsdf, AWhiteBaseUnderAnyCoatReflectsEverything) {
+  for (const float roughness : {0.f, 0.2f, 0.5f, 1.f})
+    for (const double angle : {0.0, 45.0, 75.0}) {
+      const Bsdf bsdf({{1, 1, 1}, roughness, 0, 0.5f, 0, 1.5f}, fromAngle(angle), false);
+      const auto [mean, error] = whiteFurnace(bsdf, 200000);
+      EXPECT_NEAR(mean, 1, 4 * error + 4e-3) << "roughness " << roughness << ", " << angle << " degrees";
+    }
+}
+
+TEST(Bsdf, ClearGlassFollowsSnellAndFresnel) {
+  const SurfaceValues glass{{1, 1, 1}, 0, 0, 0.5f, 1, 1.5f};
+  const Bsdf outside(glass, fromAngle(30), false);
+  const BsdfSample transmitted = outside.sample(0.999f, {0.3f, 0.3f});
+  ASSERT_TRUE(transmitted.delta);
+  ASSERT_LT(transmitted.wi.z, 0);
+  EXPECT_NEAR(std::hypot(transmitted.wi.x, transmitted.wi.y), 0.5 / 1.5, 1e-6);
+  EXPECT_NEAR(transmitted.weight.r, 1 / 2.25, 1e-5);
+  EXPECT_NEAR(fresnelDielectric(1, 1.5f), 0.04, 1e-6);
+  // Beyond the critical angle, asin(1/1.5) = 41.8 degrees, glass is a perfect mirror from inside.
+  const Bsdf inside(glass, fromAngle(45), true);
+  for (const float lobe : {0.01f, 0.5f, 0.99f}) {
+    const BsdfSample s = inside.sample(lobe, {0.3f, 0.3f});
+    EXPECT_GT(s.wi.z, 0);
+    EXPECT_NEAR(s.weight.r, 1, 1e-6);
+  }
+}
+
+} // namespace
+} // namespace chamfer
