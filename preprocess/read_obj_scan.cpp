@@ -58,9 +58,10 @@ public:
 
 private:
   void statement(std::string_view line) {
-    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
+    line.remove_prefix(std::size_t(std::find_if_not(line.begin(), line.end(), blank) - line.begin()));
     if (line.empty() || line[0] == '#') return;
-    const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+    const std::string_view word(line.begin(), std::find_if(line.begin(), line.end(), blank));
     const std::string_view rest = line.substr(word.size());
     if (word == "v")
       vertex(rest);
@@ -115,7 +116,7 @@ private:
 
   void face(std::string_view rest) {
     const std::string_view bare = withoutComment(rest);
-    blank(rest.substr(bare.size())); // tinyobjloader would read the comment's words as corners
+    overwrite(rest.substr(bare.size())); // tinyobjloader would read the comment's words as corners
     splitTokens(bare, tokens_);
     if (tokens_.size() < 3)
       malformed(place_, "a face has at least 3 corners, here are " + std::to_string(tokens_.size()));
@@ -145,11 +146,11 @@ private:
     }
     if (at != end || token[0] == '/')
       malformed(place_, "face corner " + inQuotes(token) + " is not of the form v, v/vt, v//vn or v/vt/vn");
-    blank(token.substr(token.find_last_not_of('/') +
-                       1)); // tinyobjloader would go on to the next corner's index
+    overwrite(token.substr(token.find_last_not_of('/') +
+                           1)); // tinyobjloader would go on to the next corner's index
   }
 
-  void blank(std::string_view part) {
+  void overwrite(std::string_view part) {
     std::fill_n(text_.begin() + (part.data() - text_.data()), part.size(), ' ');
   }
 

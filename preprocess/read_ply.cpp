@@ -112,7 +112,8 @@ Header readHeader(std::string_view bytes, std::string_view name) {
 class Body {
 public:
   Body(std::string_view bytes, const Header& header, std::string_view name)
-      : bytes_(bytes), at_(header.bytes), encoding_(header.encoding), place_{name}, line_(header.lines) {}
+      : bytes_(bytes), at_(header.bytes), encoding_(header.encoding), place_{name},
+        headerLines_(header.lines), lines_(bytes.substr(header.bytes)) {}
 
   /// Begins an element; in ASCII each has its own line.
   void begin(const Element& element, std::size_t index) {
@@ -121,11 +122,9 @@ public:
     if (encoding_ != Encoding::Ascii) return;
     next_ = 0;
     do {
-      LineReader reader(bytes_.substr(at_));
       std::string_view line;
-      if (!reader.next(line)) fail("the file ends before it");
-      at_ += reader.offset();
-      place_.line = ++line_;
+      if (!lines_.next(line)) fail("the file ends before it");
+      place_.line = headerLines_ + lines_.number();
       splitTokens(line, tokens_);
     } while (tokens_.empty());
   }
@@ -170,7 +169,7 @@ public:
                           std::to_string(element_->count) + ": " + what);
   }
 
-  std::size_t left() const { return bytes_.size() - at_; }
+  std::size_t left() const { return ascii() ? lines_.left() : bytes_.size() - at_; }
   const TextPlace& place() const { return place_; }
   bool ascii() const { return encoding_ == Encoding::Ascii; }
 
@@ -205,7 +204,8 @@ private:
   std::size_t at_;
   Encoding encoding_;
   TextPlace place_;
-  std::size_t line_;
+  std::size_t headerLines_;
+  LineReader lines_; ///< ASCII only; at_ is for the others
   std::vector<std::string_view> tokens_;
   std::size_t next_ = 0;
   const Element* element_ = nullptr;

@@ -109,11 +109,13 @@ std::string lowerCase(std::string_view text) {
 
 bool LineReader::next(std::string_view& line) {
   if (at_ >= text_.size()) return false;
-  const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
+  // The next '\n' is kept over lines that end in '\r', so that a file without any is not searched again and
+  // again.
+  if (newline_ < at_ || number_ == 0) newline_ = std::min(text_.find('\n', at_), text_.size());
+  const std::size_t end = std::min(text_.substr(0, newline_).find('\r', at_), newline_);
   line = text_.substr(at_, end - at_);
-  at_ = end;
-  if (at_ < text_.size())
-    at_ += text_[at_] == '\r' && at_ + 1 < text_.size() && text_[at_ + 1] == '\n' ? 2 : 1;
+  at_ = end + (end + 1 == newline_ && newline_ < text_.size() ? 2 : 1);
+  at_ = std::min(at_, text_.size());
   ++number_;
   return true;
 }

@@ -58,7 +58,7 @@ public:
 
 private:
   std::string_view text_;
-  std::size_t at_ = 0, number_ = 0;
+  std::size_t at_ = 0, number_ = 0, newline_ = 0;
 };
 
 } // namespace chamfer
