@@ -21,6 +21,11 @@ double degreesBetween(const Eigen::Vector3d& a, const Vec3& b) {
   return double(std::atan2(wide.cross(b).norm(), wide.dot(b))) * kDegrees;
 }
 
+/// See Tolerances::noise; here as a share of the radius.
+double noiseDegrees(double ofRadius, bool atSeam) {
+  return (ofRadius + (atSeam ? std::sqrt(2 * ofRadius) : 0)) * kDegrees;
+}
+
 class Judge {
 public:
   Judge(const UnionOracle& truth, const Tolerances& tolerances) : truth_(truth), tolerances_(tolerances) {}
@@ -56,9 +61,11 @@ private:
     const double ofRadius = solid.diagonal() / solid.radius();
     const double normal = degreesBetween(answer.normal, at.normal);
     const double length = std::abs(answer.normal.norm() - 1);
-    const bool clear = at.seamDistance > tolerances_.seam;
+    const double noise = tolerances_.noise;
+    const bool clear = at.seamDistance > tolerances_.seam + noise * at.seamMotion;
 
-    const double normalLimit = tolerances_.normalDegrees + tolerances_.normalLength * ofRadius * kDegrees;
+    const bool atSeam = at.seamDistance < noise * at.seamMotion + std::sqrt(2 * noise / ofRadius);
+    const double normalLimit = tolerances_.normalDegrees + noiseDegrees(noise * ofRadius, atSeam);
     std::optional<Fault> fault;
     double measure = 0;
     if (position > tolerances_.position)
@@ -133,7 +140,7 @@ AgreementReport compare(const Subject& subject, const UnionOracle& truth, std::s
 ContinuityReport checkContinuity(const Subject& subject, const RoundedOracle& truth,
                                  std::span<const Ray> rays, double step, const Tolerances& tolerances) {
   ContinuityReport report;
-  const double noise = tolerances.normalLength * truth.diagonal();
+  const double noise = tolerances.noise * truth.diagonal() / truth.radius();
   for (const Ray& ray : rays) {
     const Eigen::Vector3d sideways = ray.direction.unitOrthogonal() * (step * truth.diagonal());
     Ray pair[2] = {ray, ray};
@@ -156,7 +163,8 @@ ContinuityReport checkContinuity(const Subject& subject, const RoundedOracle& tr
     const double distance = double((pair[0].at(a->t) - pair[1].at(b->t)).norm());
     const double turn = degreesBetween(a->normal, b->normal.cast<Real>());
     // The normal map of R has Lipschitz constant 1 / r.
-    const double allowed = (distance * 1.001 + noise) / truth.radius() * kDegrees + tolerances.normalDegrees;
+    const double allowed = distance * 1.001 / truth.radius() * kDegrees + tolerances.normalDegrees +
+                           2 * noiseDegrees(noise, true);
     if (turn <= allowed) continue;
     if (std::min(near(pair[0]), near(pair[1])) <= tolerances.silhouette) continue;
     ++report.creases;

@@ -22,10 +22,13 @@ using Subject = std::function<std::optional<Answer>(const Ray&)>;
 struct Tolerances {
   double silhouette = 1e-5;   ///< rays this near to another answer are excused (UnionOracle::ambiguity)
   double position = 1e-5;     ///< across R's surface
-  double seam = 1e-5;         ///< features are not judged this near to a border
-  double normalDegrees = 0.1; ///< against R's normal at the answer's own point ...
-  double normalLength = 2e-7; ///< ... plus the angle that this length spans on the rounding
-  unsigned threads = 0;       ///< 0: all
+  double seam = 1e-5;         ///< features are not judged this near to a border, plus what noise moves it
+  double normalDegrees = 0.1; ///< against R's normal at the answer's own point, plus what noise turns it
+  /// E's vertices as float32 with nearly equal ones merged: how far they may be off. On a rounding this turns
+  /// normals by noise / r; where a cylinder or sphere stands out by it over its neighbour, by sqrt(2 noise /
+  /// r) at the seam.
+  double noise = 1e-7;
+  unsigned threads = 0; ///< 0: all
 };
 
 /// Distribution of an error over many decades; sums of histograms are exact, quantiles hold to 6 %.

@@ -36,13 +36,15 @@ void RoundedOracle::Balls::add(const Vec3& centre, Real ball) {
 RoundedOracle::RoundedOracle(const ConvexSolid& solid, double radius)
     : radius_(radius), diagonal_(solid.diagonal()), centre_(solid.centroid()), planes_(solid.planes(centre_)),
       core_(intersectHalfSpaces(eroded(planes_, radius_), diagonal_, 1e-14L)),
-      edgesAtVertex_(core_.vertices.size()) {
+      edgesAtVertex_(core_.vertices.size()), shortestAtVertex_(core_.vertices.size(), kInfinity) {
   for (const PolytopeEdge& edge : core_.edges) {
     const Vec3 a = core_.vertices[edge.a], b = core_.vertices[edge.b];
     const Vec3 axis = (b - a).normalized();
     segments_.push_back({a, axis, (b - a).norm(), edge.left, edge.right});
     edgesAtVertex_[edge.a].push_back(axis);
     edgesAtVertex_[edge.b].push_back(-axis);
+    for (const std::uint32_t v : {edge.a, edge.b})
+      shortestAtVertex_[v] = std::min(shortestAtVertex_[v], (b - a).norm());
     capsules_.add((a + b) / 2, (b - a).norm() / 2 + radius_);
   }
   for (const Vec3& v : core_.vertices) {
@@ -95,7 +97,7 @@ Nearest RoundedOracle::nearest(const Vec3& point) const {
     if (height < highest - diagonal_ * 1e-17L) continue;
     const Vec3 foot = x - height * planes_[f].normal;
     if (highest <= 0 || insideFace(f, foot))
-      return {height, planes_[f].normal, Feature::Flat, seamOfFace(f, foot)};
+      return {height, planes_[f].normal, Feature::Flat, seamOfFace(f, foot), 1};
   }
   Real best = kInfinity, at = 0;
   std::size_t edge = 0;
@@ -115,10 +117,12 @@ Nearest RoundedOracle::nearest(const Vec3& point) const {
   if (at > 0 && at < segment.length) {
     const Real turn = std::min(angleBetween(normal, planes_[segment.left].normal),
                                angleBetween(normal, planes_[segment.right].normal));
-    return {distance, normal, Feature::Cylinder, std::min({at, segment.length - at, turn * radius_})};
+    return {distance, normal, Feature::Cylinder, std::min({at, segment.length - at, turn * radius_}),
+            seamMotion(segment.length)};
   }
   const std::uint32_t vertex = at > 0 ? core_.edges[edge].b : core_.edges[edge].a;
-  return {distance, normal, Feature::Sphere, seamOfVertex(vertex, normal)};
+  return {distance, normal, Feature::Sphere, seamOfVertex(vertex, normal),
+          seamMotion(shortestAtVertex_[vertex])};
 }
 
 Real RoundedOracle::flatMargin(std::uint32_t facet, const Vec3& point) const {

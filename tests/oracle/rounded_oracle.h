@@ -41,6 +41,7 @@ struct Nearest {
   Vec3 normal;       ///< unit, from E to the point: R's outward normal there
   Feature feature;   ///< of R, over the nearest feature of E
   Real seamDistance; ///< along R's surface to the nearest border of that feature
+  Real seamMotion;   ///< how far that border may move for each unit that E's vertices move
 };
 
 struct Measures {
@@ -105,6 +106,9 @@ private:
   bool insideFace(std::uint32_t face, const Vec3& point) const;
   Real seamOfFace(std::uint32_t face, const Vec3& foot) const;
   Real seamOfVertex(std::uint32_t vertex, const Vec3& normal) const;
+  /// Moved by d, the ends of an edge turn it by up to 2 d / length, and the borders that it decides by r
+  /// times that.
+  Real seamMotion(Real edgeLength) const { return 1 + 2 * radius_ / edgeLength; }
 
   Real radius_, diagonal_, bound_ = 0; // bound_: ball about centre_ that holds R
   Eigen::Vector3d centre_;
@@ -112,6 +116,7 @@ private:
   Polytope core_;
   std::vector<Segment> segments_;                // core_.edges
   std::vector<std::vector<Vec3>> edgesAtVertex_; // unit directions out of it
+  std::vector<Real> shortestAtVertex_;           // length of its shortest edge
   Balls capsules_, balls_;                       // of segments_ and of core_.vertices, with r
 };
 

@@ -30,7 +30,7 @@ NearestShare UnionOracle::nearest(std::size_t part, const Vec3& worldPoint) cons
   const Part& p = parts_[part];
   const Nearest n = p.solid->nearest(p.objectFromWorld * worldPoint + p.offset);
   const Real diagonal = p.solid->diagonal();
-  return {(n.distance - p.solid->radius()) / diagonal, n.seamDistance / diagonal,
+  return {(n.distance - p.solid->radius()) / diagonal, n.seamDistance / diagonal, n.seamMotion,
           (p.objectFromWorld.transpose() * n.normal).normalized(), n.feature};
 }
 

@@ -18,7 +18,7 @@ struct Hit {
 /// `Nearest` of one part, lengths as shares of that part's own diagonal, the normal in the world.
 struct NearestShare {
   Real offSurface; ///< distance from R's surface: above 0 outside
-  Real seamDistance;
+  Real seamDistance, seamMotion;
   Vec3 normal;
   Feature feature;
 };
