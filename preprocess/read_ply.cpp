@@ -133,6 +133,18 @@ public:
     if (encoding_ == Encoding::Ascii && next_ != tokens_.size()) fail("more values than declared");
   }
 
+  /// Behind the last element: blank lines, or bytes that are worth a warning.
+  void finish(std::vector<std::string>& warnings) {
+    std::string_view line;
+    if (!ascii() && at_ < bytes_.size())
+      warnings.push_back(std::to_string(bytes_.size() - at_) + " bytes behind the last element are not read");
+    while (ascii() && lines_.next(line)) {
+      place_.line = headerLines_ + lines_.number();
+      splitTokens(line, tokens_);
+      if (!tokens_.empty()) malformed(place_, inQuotes(tokens_[0]) + " behind the last declared element");
+    }
+  }
+
   /// A value as a double; whatever it is.
   double value(Kind kind, const char* what, bool used) {
     if (encoding_ == Encoding::Ascii) {
@@ -229,6 +241,7 @@ public:
         skip(element);
     }
     if (!vertices) malformed({name_}, "no element named vertex before the faces");
+    body_.finish(mesh_.warnings);
     return std::move(mesh_);
   }
 
