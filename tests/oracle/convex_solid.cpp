@@ -2,6 +2,7 @@
 
 #include "tests/oracle/random.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -13,6 +14,38 @@ namespace {
 
 // Solids are made to be plain: corners that differ by rounding noise only are one corner.
 constexpr Real kWeld = 1e-13L;
+// About how large the dual of a hull is in rounded coordinates.
+constexpr Real kReach = 10;
+
+/// The points moved and sheared to mean zero and covariance one.
+std::vector<Vec3> whitened(std::span<const Eigen::Vector3d> points) {
+  std::vector<Vec3> result;
+  Vec3 mean = Vec3::Zero();
+  for (const auto& p : points)
+    mean += p.cast<Real>() / Real(points.size());
+  Eigen::Matrix<Real, 3, 3> covariance = Eigen::Matrix<Real, 3, 3>::Zero();
+  for (const auto& p : points) {
+    result.push_back(p.cast<Real>() - mean);
+    covariance += result.back() * result.back().transpose() / Real(points.size());
+  }
+  const Eigen::LLT<Eigen::Matrix<Real, 3, 3>> root(covariance);
+  for (Vec3& p : result)
+    p = root.matrixL().solve(p);
+  return result;
+}
+
+/// Orders a convex face's vertices counter-clockwise seen from where `normal` points to.
+void sortAround(std::vector<std::uint32_t>& face, const std::vector<Vec3>& corners, const Vec3& normal) {
+  Vec3 mean = Vec3::Zero();
+  for (const std::uint32_t v : face)
+    mean += corners[v] / Real(face.size());
+  const Vec3 x = (corners[face.front()] - mean).normalized();
+  const Vec3 y = normal.cross(x);
+  const auto angle = [&](std::uint32_t v) {
+    return std::atan2(y.dot(corners[v] - mean), x.dot(corners[v] - mean));
+  };
+  std::sort(face.begin(), face.end(), [&](auto a, auto b) { return angle(a) < angle(b); });
+}
 
 } // namespace
 
@@ -59,38 +92,29 @@ ConvexSolid solidFromPlanes(std::string name, std::span<const Plane> planes, Rea
   return solid;
 }
 
-ConvexSolid solidFromPoints(std::string name, std::span<const Eigen::Vector3d> points) {
-  // Duality: the hull's facets are the vertices of {x : p.x <= 1 for every point p}.
+ConvexSolid solidFromPoints(std::string name, std::span<const Eigen::Vector3d> points, Real weld) {
+  // Duality: with the origin inside, the hull's facets are the vertices of {x : p.x <= 1 for every point p}.
+  // It is well conditioned for points that are round about the origin, and hulls go with affine maps.
+  const std::vector<Vec3> round = whitened(points);
   std::vector<Plane> planes;
-  Real nearest = points.front().cast<Real>().norm();
-  for (const auto& p : points) {
-    const Real length = p.cast<Real>().norm();
-    planes.push_back({p.cast<Real>() / length, 1 / length});
-    nearest = std::min(nearest, length);
+  for (const Vec3& p : round) {
+    const Real length = p.norm();
+    // A point at the origin itself bounds nothing: its plane is moved out of reach.
+    planes.push_back(length > 0 ? Plane{p / length, 1 / length} : Plane{Vec3::UnitX(), kReach * 1e9L});
   }
-  const Polytope dual = intersectHalfSpaces(planes, 1000 / nearest, kWeld * 1e-3L);
+  const Polytope dual = intersectHalfSpaces(planes, kReach, weld / kReach);
 
   ConvexSolid solid{std::move(name), {}, std::vector<std::vector<std::uint32_t>>(dual.vertices.size())};
+  std::vector<Vec3> corners;
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (dual.faces[p].empty()) continue;
     for (const std::uint32_t facet : dual.faces[p])
-      solid.faces[facet].push_back(std::uint32_t(solid.vertices.size()));
+      solid.faces[facet].push_back(std::uint32_t(corners.size()));
     solid.vertices.push_back(points[p]);
+    corners.push_back(round[p]);
   }
-  for (std::size_t f = 0; f < solid.faces.size(); ++f) {
-    auto& face = solid.faces[f];
-    const Vec3 normal = dual.vertices[f].normalized();
-    Vec3 mean = Vec3::Zero();
-    for (const std::uint32_t v : face)
-      mean += solid.vertices[v].cast<Real>() / Real(face.size());
-    const Vec3 x = (solid.vertices[face.front()].cast<Real>() - mean).normalized();
-    const Vec3 y = normal.cross(x);
-    const auto angle = [&](std::uint32_t v) {
-      const Vec3 at = solid.vertices[v].cast<Real>() - mean;
-      return std::atan2(y.dot(at), x.dot(at));
-    };
-    std::sort(face.begin(), face.end(), [&](auto a, auto b) { return angle(a) < angle(b); });
-  }
+  for (std::size_t f = 0; f < solid.faces.size(); ++f)
+    sortAround(solid.faces[f], corners, dual.vertices[f].normalized());
   return solid;
 }
 

@@ -153,16 +153,22 @@ std::optional<Polytope> assemble(const std::vector<Polygon>& polygons, Real dist
 Polytope intersectHalfSpaces(std::span<const Plane> planes, Real reach, Real weld) {
   std::vector<Polygon> polygons;
   Polygon scratch;
-  bool any = false;
-  for (std::uint32_t face = 0; face < planes.size(); ++face) {
-    polygons.push_back(facePolygon(planes, face, reach, weld * reach / 1000, scratch));
-    for (const Corner& corner : polygons.back()) {
-      any = true;
-      if (corner.edge == kFrame)
-        throw std::runtime_error("half-spaces: the intersection reaches beyond `reach`");
+  const auto cut = [&](Real from) {
+    polygons.clear();
+    bool any = false;
+    for (std::uint32_t face = 0; face < planes.size(); ++face) {
+      polygons.push_back(facePolygon(planes, face, from, weld * reach / 10, scratch));
+      for (const Corner& corner : polygons.back()) {
+        any = true;
+        if (corner.edge == kFrame) return false;
+      }
     }
-  }
-  if (!any) throw std::runtime_error("half-spaces: the intersection is empty");
+    if (!any) throw std::runtime_error("half-spaces: the intersection is empty");
+    return true;
+  };
+  Real from = reach;
+  while (!cut(from))
+    if ((from *= 10) > 1e4L * reach) throw std::runtime_error("half-spaces: the intersection is unbounded");
   for (Real tolerance = weld; tolerance < 1e-8L; tolerance *= 10)
     if (auto polytope = assemble(polygons, tolerance * reach)) return *std::move(polytope);
   throw std::runtime_error("half-spaces: the surface of the intersection does not close");

@@ -32,10 +32,10 @@ struct Polytope {
   std::vector<PolytopeEdge> edges; ///< each once
 };
 
-/// The bounded polyhedron common to all `planes`, which must be distinct. `reach` bounds its distance from
-/// the origin; vertices nearer to each other than `weld * reach` become one (more where rounding noise asks
-/// for it). Throws std::runtime_error when the intersection is empty or unbounded, or when its surface does
-/// not close.
+/// The bounded polyhedron common to all `planes`, which must be distinct. `reach` is about its largest
+/// distance from the origin (up to 1e4 times as much is tried); vertices nearer to each other than `weld *
+/// reach` become one (more where rounding noise asks for it). Throws std::runtime_error when the intersection
+/// is empty or unbounded, or when its surface does not close.
 Polytope intersectHalfSpaces(std::span<const Plane> planes, Real reach, Real weld);
 
 /// Newell's area-weighted normal of a loop, not of unit length.
