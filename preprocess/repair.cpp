@@ -259,6 +259,8 @@ private:
     result_.counts.degenerateTriangles += degenerate_.size();
     result_.counts.duplicateTriangles += duplicates_.size();
     if (degenerate_.empty() && duplicates_.empty()) return;
+    std::sort(degenerate_.begin(), degenerate_.end());
+    std::sort(duplicates_.begin(), duplicates_.end());
     std::vector<std::uint32_t> ofVertex(mesh_.positions.size(), kNone),
         ofTriangle(mesh_.triangles.size(), kNone);
     for (std::size_t i = firstComponent; i < result_.list.size(); ++i)
