@@ -49,14 +49,15 @@ const getJson = async (url, signal) => (await request(url, { signal })).json();
 /** Version, limits, formats. */
 export const fetchInfo = (signal) => getJson('v1/info', signal);
 
-/** All scenes: [{name, id, triangles, rounded_edges, radius: {current, max}, state, ...}]. */
+/** All scenes: [{name, id, triangles, rounded_edges, radius: {current, max}, state, error, ...}]. */
 export const fetchScenes = (signal) => getJson('v1/scenes', signal);
 
-/** One scene with its camera, in the page's form: {..., camera: {eye, target, up, vfovDegrees}}. */
+/** One scene, its camera with the page's names: {..., camera: {eye, target, up, vfovDegrees, ...}}. */
 export async function fetchScene(id, signal) {
   const scene = await getJson(`v1/scenes/${encodeURIComponent(id)}`, signal);
-  const { eye, target, up, vfov_degrees: vfovDegrees } = scene.camera;
-  return { ...scene, camera: { eye, target, up, vfovDegrees } };
+  const { eye, target, up, vfov_degrees, aperture_diameter, focus_distance } = scene.camera;
+  const lens = { apertureDiameter: aperture_diameter, focusDistance: focus_distance };
+  return { ...scene, camera: { eye, target, up, vfovDegrees: vfov_degrees, ...lens } };
 }
 
 /**

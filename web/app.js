@@ -1,7 +1,7 @@
 // The page: joins the address, the panel, the input on the picture, and the renderer. One state object says what is
 // shown; everything else follows from it.
 import { fetchHit, fetchScene, fetchScenes, ServerError } from './api.js';
-import { distance, isInside, keepInside, orbit, pan, pixelRay, zoom } from './camera.js';
+import { distance, fitAspect, isInside, keepInside, orbit, pan, pixelRay, zoom } from './camera.js';
 import { listen } from './input.js';
 import { offerDownload, Panel } from './panel.js';
 import { RadiusScale } from './radius.js';
@@ -13,6 +13,7 @@ const LARGEST_PICTURE = 1_100_000; // pixels; more would only make the first pic
 const RELOAD_MS = 1000; // while scenes are loading, or the server is away
 const NO_SCENES = 'The server has no scenes: it found neither meshes with sidecars nor scene files.';
 const ROOM_MARGIN = 0.03;
+const DESIGNED_ASPECT = 4 / 3;
 const ZOOM_RANGE = [0.02, 20]; // of the distance with which a scene starts
 
 const canvas = document.getElementById('picture');
@@ -62,7 +63,7 @@ async function followAddress() {
 
 function faultOf(listed, name) {
   if (!listed) return `The server has no scene “${name}”.`;
-  return isReady(listed) ? '' : `“${name}” cannot be shown: ${listed.error ?? listed.state}`;
+  return isReady(listed) ? '' : `“${name}” cannot be shown: ${listed.error?.detail ?? listed.state}`;
 }
 
 /** Scene files before single meshes, which lie in folders. */
@@ -78,10 +79,10 @@ async function showScene(listed, { camera = null, radius = null, rounding = stat
   } catch (error) {
     return sayProblem(error);
   }
-  const { current = 0, max = 0 } = scene.radius ?? {};
-  const room = isInside(scene.camera, scene.bounds) ? scene.bounds : null;
+  const { current, max } = scene.radius ?? {}; // null where nothing is rounded
+  const room = scene.bounds && isInside(scene.camera, scene.bounds) ? scene.bounds : null;
   Object.assign(state, { scene, rounding, room, radius, camera: camera ?? scene.camera });
-  state.scale = max > 0 ? new RadiusScale(max, current) : null;
+  state.scale = max > 0 ? new RadiusScale(max, current ?? 0) : null;
   if (!state.scale) state.radius = null;
   if (state.radius !== null) state.radius = Math.min(state.radius, state.scale.top);
   panel.showScene(scene);
@@ -96,7 +97,12 @@ function pickScene(name) {
 // ---- the view
 
 function view() {
-  return { sceneId: state.scene.id, camera: state.camera, rounding: state.rounding, radius: state.radius };
+  return { sceneId: state.scene.id, camera: shownCamera(), rounding: state.rounding, radius: state.radius };
+}
+
+/** The camera as it fits the picture's shape: scenes are made to be seen in the designed one, or a wider. */
+function shownCamera() {
+  return fitAspect(state.camera, canvas.width / canvas.height, DESIGNED_ASPECT);
 }
 
 function changed({ moving = false } = {}) {
@@ -165,8 +171,8 @@ async function inspect(x, y) {
   const { signal } = (state.inspection = new AbortController());
   const { clientWidth: width, clientHeight: height } = canvas;
   try {
-    const hit = await fetchHit(view(), pixelRay(state.camera, width, height, x, y), signal);
-    if (!signal.aborted) panel.showPoint(hit, state.scene.bounds, x, y);
+    const hit = await fetchHit(view(), pixelRay(shownCamera(), width, height, x, y), signal);
+    if (!signal.aborted) panel.showPoint(hit, x, y);
   } catch (error) {
     if (error.name !== 'AbortError') sayProblem(error);
   }
@@ -201,7 +207,10 @@ function fit() {
   const box = canvas.parentElement.getBoundingClientRect();
   const wanted = Math.min(devicePixelRatio || 1, 2);
   const density = Math.min(wanted, Math.sqrt(LARGEST_PICTURE / Math.max(1, box.width * box.height)));
-  renderer.resize(Math.max(16, Math.round(box.width * density)), Math.max(16, Math.round(box.height * density)));
+  const [width, height] = [box.width, box.height].map((side) => Math.max(16, Math.round(side * density)));
+  if (!renderer.resize(width, height) || !state.scene) return;
+  forgetPoint();
+  renderer.show(view());
 }
 
 let fitTimer = 0;

@@ -75,6 +75,16 @@ export function keepInside(camera, bounds, margin) {
   return share === 1 ? camera : { ...camera, eye: add(camera.target, scale(arm, share)) };
 }
 
+/**
+ * The camera for a picture of that aspect (width over height): where it is narrower than `designed`, the view widens so
+ * that what is seen from left to right stays what it would be at `designed`.
+ */
+export function fitAspect(camera, aspect, designed) {
+  if (aspect >= designed) return camera;
+  const half = Math.tan((camera.vfovDegrees * Math.PI) / 360);
+  return { ...camera, vfovDegrees: (Math.atan((half * designed) / aspect) * 360) / Math.PI };
+}
+
 /** The ray through the point (x, y) of a picture, in pixels from its top left; the direction is unit. */
 export function pixelRay(camera, width, height, x, y) {
   const { forward, right, up } = basis(camera);

@@ -25,7 +25,7 @@ export class Panel {
       const [folder, title] = [name.slice(0, Math.max(0, name.lastIndexOf('/'))), name.slice(name.lastIndexOf('/') + 1)];
       const option = new Option(state === 'ready' ? title : `${title} (${state})`, name);
       option.disabled = state !== 'ready';
-      option.title = error ?? '';
+      option.title = error?.detail ?? '';
       if (!groups.has(folder)) groups.set(folder, Object.assign(document.createElement('optgroup'), { label: folder }));
       groups.get(folder).append(option);
     }
@@ -84,7 +84,7 @@ export class Panel {
   }
 
   /** What lies under a point (x, y in pixels of the picture): a hit, null for nothing, or undefined to show none. */
-  showPoint(hit, bounds, x, y) {
+  showPoint(hit, x, y) {
     byId('marker').hidden = hit === undefined;
     byId('marker').style.translate = `${x}px ${y}px`;
     byId('point-hint').hidden = Boolean(hit);
@@ -93,7 +93,7 @@ export class Panel {
       hit === null ? 'No object of the scene there.' : 'Click the picture to see what is there.';
     if (!hit) return;
     byId('point').replaceChildren(
-      ...hitRows(hit, bounds).flatMap(([name, text]) => {
+      ...hitRows(hit).flatMap(([name, text]) => {
         const [term, value] = [document.createElement('dt'), document.createElement('dd')];
         term.textContent = name;
         value.textContent = text;

@@ -54,9 +54,9 @@ export class Renderer {
     }
   }
 
-  /** Size of the picture in pixels; renders anew when it changes. */
+  /** Sets the picture's size in pixels. True when it has changed: the view must be shown again then. */
   resize(width, height) {
-    if (width === this.canvas.width && height === this.canvas.height) return;
+    if (width === this.canvas.width && height === this.canvas.height) return false;
     const before = document.createElement('canvas');
     before.width = this.canvas.width;
     before.height = this.canvas.height;
@@ -64,7 +64,7 @@ export class Renderer {
     this.canvas.width = width;
     this.canvas.height = height;
     this.context.drawImage(before, 0, 0, width, height);
-    if (this.view) this.#refine();
+    return true;
   }
 
   /** Asks for no further tiles until resume(); what has gathered stays. */

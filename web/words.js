@@ -38,10 +38,9 @@ const FEATURES = {
 
 const vectorText = (v, digits) => v.map((x) => (Math.abs(x) < 0.5 * 10 ** -digits ? 0 : x).toFixed(digits)).join(', ');
 
-/** A hit of POST rays as [name, text] rows; `bounds` {min, max} set how many digits a position needs. */
-export function hitRows(hit, bounds) {
-  const size = Math.hypot(...bounds.max.map((x, i) => x - bounds.min[i]));
-  const digits = Math.max(0, Math.min(9, 5 - Math.floor(Math.log10(size || 1))));
+/** A hit of POST rays as [name, text] rows; how far away it is sets how many digits a position needs. */
+export function hitRows(hit) {
+  const digits = Math.max(0, Math.min(9, 4 - Math.floor(Math.log10(hit.t || 1))));
   const rows = [
     ['Feature', FEATURES[hit.feature] ?? hit.feature],
     ['Position', vectorText(hit.position, digits)],

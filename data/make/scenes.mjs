@@ -33,6 +33,9 @@ function restingOn(solid, index, spinDegrees) {
   return times(rotationAbout([0, 0, 1], spinDegrees), tilt);
 }
 
+/** An even sky: it fills the shadows and leaves the modelling to the lamp. */
+const SKY = { type: 'sky', zenith: [0.42, 0.47, 0.55], horizon: [0.62, 0.62, 0.62], ground: [0.2, 0.2, 0.2] };
+
 const plastic = (name, base_color, roughness = 0.25) => ({ name, base_color, roughness, metallic: 0 });
 
 /** One JSON entry a line: readable, and small in a diff. */
@@ -48,17 +51,17 @@ function sceneText(scene) {
 
 const DICE = [
   // solid, face it rests on, spin, place on the ground, size, material
-  ['cube', 0, 24, [-0.75, 0.35], 1.15, 'ivory'],
-  ['tetrahedron', 1, 8, [1.95, -0.95], 0.95, 'ochre'],
-  ['octahedron', 2, 50, [0.95, 0.75], 1.1, 'teal'],
-  ['trapezohedron', 3, 100, [-1.85, -1.1], 1.15, 'slate'],
-  ['dodecahedron', 4, 10, [0.2, -1.2], 1.3, 'red'],
-  ['icosahedron', 5, 33, [2.75, 0.75], 1.4, 'brass'],
-  ['cube', 2, -31, [-2.55, 0.75], 1.0, 'red'],
-  ['icosahedron', 9, 70, [-0.55, 2.3], 1.25, 'slate'],
-  ['octahedron', 5, 12, [-3.15, -0.7], 0.8, 'ivory'],
-  ['dodecahedron', 7, 61, [1.75, 2.5], 1.15, 'ivory'],
-  ['trapezohedron', 6, 215, [-1.0, -2.35], 0.8, 'ochre'],
+  ['dodecahedron', 4, 10, [-0.1, -1.35], 1.3, 'red'],
+  ['cube', 0, 24, [-1.05, 0.45], 1.15, 'ivory'],
+  ['octahedron', 2, 50, [0.85, 0.55], 1.1, 'teal'],
+  ['icosahedron', 5, 33, [2.3, 0.35], 1.35, 'brass'],
+  ['trapezohedron', 3, 100, [-2.35, -0.65], 1.05, 'slate'],
+  ['tetrahedron', 1, 8, [1.65, -1.45], 0.6, 'ochre'],
+  ['icosahedron', 9, 70, [-0.1, 2.15], 1.2, 'slate'],
+  ['dodecahedron', 7, 61, [1.6, 2.2], 1.1, 'ivory'],
+  ['cube', 2, -31, [-2.2, 1.7], 1.0, 'red'],
+  ['trapezohedron', 6, 215, [-1.55, -2.15], 0.75, 'ochre'],
+  ['octahedron', 5, 12, [0.85, -2.6], 0.6, 'ivory'],
 ];
 
 function dice() {
@@ -69,7 +72,7 @@ function dice() {
     ],
     materials: [
       plastic('ivory', [0.82, 0.76, 0.64]),
-      plastic('red', [0.55, 0.03, 0.03], 0.2),
+      plastic('red', [0.5, 0.02, 0.02], 0.2),
       plastic('teal', [0.02, 0.26, 0.27], 0.2),
       plastic('slate', [0.05, 0.06, 0.09], 0.3),
       plastic('ochre', [0.75, 0.38, 0.05], 0.25),
@@ -88,9 +91,10 @@ function dice() {
       })),
     ],
     lights: [
-      { type: 'area', center: [-3, -4, 7], u: [2, 0, 0], v: [0, 1.4, 1], emission: [22, 21, 19] },
+      { type: 'area', center: [-4.5, -3, 7], u: [1.9, -1.4, 0], v: [0.9, 1.2, 1.5], emission: [15, 14.1, 12.8] },
+      SKY,
     ],
-    camera: { eye: [0.6, -8.2, 5.4], target: [0, 0.25, 0.35], up: [0, 0, 1], vfov_degrees: 34 },
+    camera: { eye: [0.5, -9.2, 5.6], target: [0.05, -0.1, 0.3], up: [0, 0, 1], vfov_degrees: 34 },
   };
 }
 
@@ -139,20 +143,21 @@ function blocks() {
       plastic('white', [0.8, 0.8, 0.78]),
       plastic('green', [0.02, 0.28, 0.07]),
       plastic('grey', [0.3, 0.31, 0.32], 0.35),
-      plastic('table', [0.42, 0.4, 0.37], 0.7),
+      plastic('table', [0.36, 0.35, 0.33], 0.8),
     ],
     instances: [
       { mesh: 'ground', material: 'table' },
       { mesh: 'plate-12x12', material: 'grey' },
       ...tower(),
-      brickAt('brick-2x2', 'yellow', [2, 2, 5]),
+      brickAt('brick-2x2', 'yellow', [2, 8, 5]),
       brickAt('brick-2x2', 'white', [0, 0, 0]),
       brickAt('brick-1x2', 'blue', [0, 0, 1]),
       brickAt('brick-1x2', 'red', [10, 0, 0], true),
       brickAt('brick-1x2', 'green', [8, 0, 0]),
     ],
     lights: [
-      { type: 'area', center: [-8, -14, 22], u: [6, 0, 0], v: [0, 4, 3], emission: [22, 21, 19] },
+      { type: 'area', center: [-9, -16, 22], u: [6, -2.5, 0], v: [2, 4, 4], emission: [15, 14.1, 12.8] },
+      SKY,
     ],
     camera: { eye: [19.5, -17, 13], target: [5.8, 5.4, 2.6], up: [0, 0, 1], vfov_degrees: 30 },
   };
@@ -174,7 +179,7 @@ function room() {
   });
   return {
     meshes: [
-      { name: 'room', file: 'stage/room.obj', radius: 0.5 },
+      { name: 'room', file: 'stage/room.obj', radius: 0.35 },
       { name: 'lamp', file: 'stage/lamp.obj', rounding: false },
       { name: 'pedestal', file: 'stage/pedestal.obj', radius: 0.08 },
       ...['cube', 'dodecahedron', 'icosahedron'].map((name) => ({ name, file: `solids/${name}.obj`, radius: 0.08 })),
@@ -205,7 +210,7 @@ export function sceneFiles() {
     'dice.scene.json': sceneText(dice()),
     'blocks.scene.json': sceneText(blocks()),
     'room.scene.json': sceneText(room()),
-    'stage/ground.obj': obj('the ground: its top is z = 0', [box([-60, -60, -1], [60, 60, 0])]),
+    'stage/ground.obj': obj('the ground: its top is z = 0', [box([-500, -500, -1], [500, 500, 0])]),
     'stage/room.obj': obj('a closed room to look at from inside', [box(ROOM.min, ROOM.max)], {
       library: 'room.mtl',
       materials: walls,

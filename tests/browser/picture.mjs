@@ -18,7 +18,10 @@ export async function waitForSamples(page, samples) {
 export function blockMeans(page) {
   return page.evaluate((block) => {
     const canvas = document.getElementById('picture');
-    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    // Read from a copy: reading the page's own canvas again and again would change how the browser keeps it.
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
     const [columns, rows] = [Math.floor(canvas.width / block), Math.floor(canvas.height / block)];
     const means = new Array(columns * rows * 3).fill(0);
     for (let y = 0; y < rows * block; y++) {

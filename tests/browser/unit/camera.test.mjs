@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { basis, distance, isInside, keepInside, orbit, pan, pixelRay, zoom } from '../../../web/camera.js';
+import { basis, distance, fitAspect, isInside, keepInside, orbit, pan, pixelRay, zoom } from '../../../web/camera.js';
 
 const camera = { eye: [3, -4, 2], target: [0.5, 0, 1], up: [0, 0, 1], vfovDegrees: 40 };
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
@@ -71,4 +71,12 @@ test('in a room the eye stays inside', () => {
   near([kept.eye[1]], [-1.6]);
   near(basis(kept).forward, basis(camera).forward);
   assert.equal(keepInside(kept, room, 0.1), kept);
+});
+
+test('a narrow picture shows the same from left to right', () => {
+  const [width, height] = [300, 600];
+  const narrow = pixelRay(fitAspect(camera, width / height, 4 / 3), width, height, 0, height / 2);
+  const designed = pixelRay(camera, 400, 300, 0, 150);
+  near(narrow.direction, designed.direction);
+  assert.equal(fitAspect(camera, 16 / 9, 4 / 3), camera);
 });

@@ -14,14 +14,14 @@ test('the status says samples, time and the share of rounded rays', () => {
   assert.equal(statusText({ ...status, phase: 'waiting', message: 'Busy.' }), 'Busy.');
 });
 
-test('a hit is told with digits that suit the scene', () => {
+test('a hit is told with digits that suit its distance', () => {
   const hit = { t: 2.5, position: [1, -2.00000001, 1e-12], normal: [0, -0, 1], feature: 'sphere', instance: 3, solid: null };
-  const rows = Object.fromEntries(hitRows(hit, { min: [0, 0, 0], max: [3, 4, 0] }));
+  const rows = Object.fromEntries(hitRows(hit));
   assert.deepEqual(rows, {
     Feature: 'sphere: a rounded corner',
-    Position: '1.00000, -2.00000, 0.00000',
+    Position: '1.0000, -2.0000, 0.0000',
     Normal: '0.0000, 0.0000, 1.0000',
-    Distance: '2.50000',
+    Distance: '2.5000',
     Instance: '3',
   });
 });
