@@ -18,7 +18,7 @@ class CoreView {
 public:
   CoreView(const RoundingView& view, std::uint32_t solid)
       : record_(view.solids[solid]), facets_(view.facets.data() + record_.firstFacet),
-        spheres_(view.spheres.data() + record_.firstSphere),
+        spheres_(view.spheres.data() + record_.firstSphere), quantum_(sphereQuantum(record_)),
         packed_(record_.wide() ? nullptr : view.packed.data() + record_.halfEdgeStart()),
         wide_(record_.wide() ? view.wide.data() + record_.halfEdgeStart() : nullptr) {}
 
@@ -32,7 +32,7 @@ public:
   }
   const FacetRecord& facet(std::uint32_t local) const { return facets_[local]; }
   Vector3 normal(std::uint32_t facetLocal) const { return Vector3(facets_[facetLocal].normal); }
-  Vector3 centre(std::uint32_t sphere) const { return Vector3(spheres_[sphere]); }
+  Vector3 centre(std::uint32_t sphere) const { return decodeSphere(spheres_[sphere], quantum_); }
   Vector3 start(std::uint32_t h) const { return centre(halfEdge(h).sphere); }
   Vector3 end(std::uint32_t h) const { return centre(halfEdge(halfEdge(h).twin).sphere); }
 
@@ -64,7 +64,8 @@ private:
 
   const SolidRecord& record_;
   const FacetRecord* facets_;
-  const Float3* spheres_;
+  const SphereRecord* spheres_;
+  double quantum_;
   const PackedHalfEdge* packed_;
   const HalfEdge* wide_;
 };

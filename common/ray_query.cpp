@@ -110,13 +110,81 @@ RoundedEnd makeEnd(const CoreView& core, const CoreFeature& feature, const Vecto
   return {t, offsetFrom(core, feature, o + d * t).direction, kind};
 }
 
-/// Moves `feature` to the one nearest to `p`. The distance falls with every step in exact arithmetic; `limit`
-/// ends the cycles that rounding can make between cells whose border `p` is on, where either answer is as
-/// good.
-void descend(const CoreView& core, CoreFeature& feature, const Vector3& p) {
-  const std::uint32_t limit = 64 + 2 * core.halfEdgeCount();
-  for (std::uint32_t i = 0; i < limit; ++i)
-    if (core.inCell(feature, p)) return;
+/// The face of E through which the segment from the origin, a point of E, to `p` leaves: the greatest n.p /
+/// (d - r). A linear function over the corners of E's dual, so climbing from neighbour to neighbour finds the
+/// greatest.
+CoreFeature faceTowards(const CoreView& core, const Vector3& p, std::uint32_t halfEdge) {
+  const auto reach = [&](std::uint32_t facet) {
+    return dot(core.normal(facet), p) / (double(core.facet(facet).offset) - core.radius());
+  };
+  std::uint32_t facet = core.halfEdge(halfEdge).facet;
+  double farthest = reach(facet);
+  for (std::uint32_t steps = 0; steps < core.halfEdgeCount(); ++steps) {
+    std::uint32_t best = facet;
+    for (std::uint32_t h = core.facet(facet).firstHalfEdge();
+         h < core.halfEdgeCount() && core.halfEdge(h).facet == facet; ++h) {
+      const std::uint32_t other = core.halfEdge(core.halfEdge(h).twin).facet;
+      if (const double there = reach(other); there > farthest) {
+        farthest = there;
+        best = other;
+      }
+    }
+    if (best == facet) break;
+    facet = best;
+  }
+  return {CoreFeature::Face, core.facet(facet).firstHalfEdge()};
+}
+
+bool aboveFace(const CoreView& core, const CoreFeature& face, const Vector3& p) {
+  return offsetFrom(core, face, p).distance >= 0;
+}
+
+/// The feature nearest to `p`, a point outside E, by looking at all of them.
+CoreFeature nearestOfAll(const CoreView& core, const Vector3& p) {
+  CoreFeature best{CoreFeature::Vertex, 0};
+  double nearest = INFINITY;
+  const auto consider = [&](const CoreFeature& feature, double squared) {
+    if (squared < nearest) {
+      nearest = squared;
+      best = feature;
+    }
+  };
+  for (std::uint32_t h = 0; h < core.halfEdgeCount(); ++h) {
+    const HalfEdge e = core.halfEdge(h);
+    const Vector3 a = core.centre(e.sphere);
+    consider({CoreFeature::Vertex, h}, lengthSquared(p - a));
+    if (h < e.twin) {
+      const Vector3 axis = core.end(h) - a;
+      const double along = dot(p - a, axis), squared = lengthSquared(axis);
+      if (along > 0 && along < squared)
+        consider({CoreFeature::Edge, h}, lengthSquared(p - a - axis * (along / squared)));
+    }
+    if (core.facet(e.facet).firstHalfEdge() == h) {
+      const CoreFeature face{CoreFeature::Face, h};
+      CoreFeature there = face;
+      if (aboveFace(core, face, p) && core.inCell(there, p)) {
+        const double height = offsetFrom(core, face, p).distance;
+        consider(face, height * height);
+      }
+    }
+  }
+  return best;
+}
+
+/// The feature of E nearest to `p`, or the face nearest in direction where `p` is inside E. From a face that
+/// `p` is above, going to the neighbour whose cell `p` is farther in mostly leads there in a few steps. It
+/// need not on thin solids, whose far side it may reach, nor where rounding makes a cycle of cells: then all
+/// features are looked at.
+CoreFeature nearestFeature(const CoreView& core, const Vector3& p, std::uint32_t startHalfEdge) {
+  const CoreFeature towards = faceTowards(core, p, startHalfEdge);
+  if (!aboveFace(core, towards, p)) return towards;
+  CoreFeature feature = towards;
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    if (!core.inCell(feature, p)) continue;
+    if (feature.kind == CoreFeature::Face && !aboveFace(core, feature, p)) break;
+    return feature;
+  }
+  return nearestOfAll(core, p);
 }
 
 std::optional<RoundedEnd> guardedEntry(const CoreView& core, const Vector3& o, const Vector3& d,
@@ -128,7 +196,7 @@ std::optional<RoundedEnd> guardedEntry(const CoreView& core, const Vector3& o, c
   double t = ball.t;
   for (int i = 0; i < 100; ++i) {
     const Vector3 p = o + d * t;
-    descend(core, feature, p);
+    feature = nearestFeature(core, p, feature.halfEdge);
     if (const Solution s = solve(core, feature, o, d); s.bounded) {
       CoreFeature there = feature;
       if (core.inCell(there, o + d * s.t)) {

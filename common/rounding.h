@@ -55,6 +55,26 @@ struct FacetRecord {
 };
 static_assert(sizeof(FacetRecord) == 24);
 
+/// Centre of a rounding sphere, a vertex of E: float32 and, for each coordinate, what float32 leaves off in
+/// units of the solid's quantum. A split corner's centres lie within a fraction of r of each other, and r may
+/// be a hundred-thousandth of the solid: float32 alone would not keep the directions between them.
+struct SphereRecord {
+  Float3 near;
+  std::int16_t rest[3];
+  std::int16_t unused = 0;
+  bool operator==(const SphereRecord&) const = default;
+};
+static_assert(sizeof(SphereRecord) == 20);
+
+/// Unit of SphereRecord::rest: half of the last place of a float32 as large as the solid, in 2^15 parts.
+inline double sphereQuantum(const SolidRecord& solid) { return double(solid.boundRadius) * 0x1p-39; }
+inline Vector3 decodeSphere(const SphereRecord& s, double quantum) {
+  return {double(s.near.x) + double(s.rest[0]) * quantum, double(s.near.y) + double(s.rest[1]) * quantum,
+          double(s.near.z) + double(s.rest[2]) * quantum};
+}
+/// Rounds to whole quanta.
+SphereRecord encodeSphere(const Vector3& centre, double quantum);
+
 /// One side of an edge of E; all indices are local to the solid. It runs along the boundary of its facet's
 /// face from `sphere` to the twin's `sphere`.
 struct HalfEdge {
@@ -93,7 +113,7 @@ struct TreeRoot {
 struct RoundingView {
   std::span<const SolidRecord> solids; ///< one more than there are solids: the last only ends the ranges
   std::span<const FacetRecord> facets;
-  std::span<const Float3> spheres;
+  std::span<const SphereRecord> spheres;
   std::span<const PackedHalfEdge> packed; ///< half-edges of the small solids
   std::span<const HalfEdge> wide;         ///< half-edges of the others
   std::span<const TreeRoot> treeRoots;

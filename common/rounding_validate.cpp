@@ -94,7 +94,7 @@ void validate(const RoundingView& view) {
   require(last.firstFacet == view.facets.size() && last.firstSphere == view.spheres.size(),
           "the end of solid", view.solidCount());
   for (std::size_t i = 0; i < view.spheres.size(); ++i)
-    require(finite(view.spheres[i]), "sphere", i);
+    require(finite(view.spheres[i].near) && view.spheres[i].unused == 0, "sphere", i);
   std::size_t packed = 0, wide = 0;
   for (std::size_t s = 0; s < view.solidCount(); ++s) {
     const SolidRecord &solid = view.solids[s], &end = view.solids[s + 1];

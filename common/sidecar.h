@@ -31,7 +31,7 @@ protected:
 struct RoundingArrays {
   std::vector<SolidRecord> solids;
   std::vector<FacetRecord> facets;
-  std::vector<Float3> spheres;
+  std::vector<SphereRecord> spheres;
   std::vector<PackedHalfEdge> packed;
   std::vector<HalfEdge> wide;
   std::vector<TreeRoot> treeRoots;

@@ -57,26 +57,40 @@ double volume6(const Surface& s) {
   return sum;
 }
 
-Surface toSurface(const Hull& hull) {
+/// The hull with the points' own numbers kept in order, its triangles sorted: CGAL's order differs from run
+/// to run.
+Surface toSurface(const Hull& hull, const std::vector<Point>& points) {
+  std::map<Point, std::uint32_t> firstOf;
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    firstOf.emplace(points[i], i);
+  std::vector<std::pair<std::uint32_t, Hull::Vertex_index>> order;
+  for (const auto v : hull.vertices())
+    order.emplace_back(firstOf.at(hull.point(v)), v);
+  std::sort(order.begin(), order.end());
   Surface s;
-  s.positions.resize(hull.num_vertices());
-  for (const auto v : hull.vertices()) {
-    const Point& p = hull.point(v);
-    s.positions[std::size_t(v)] = {p.x(), p.y(), p.z()};
+  std::vector<std::uint32_t> name(hull.num_vertices());
+  for (const auto& [point, v] : order) {
+    name[std::size_t(v)] = std::uint32_t(s.positions.size());
+    const Point& p = points[point];
+    s.positions.push_back({p.x(), p.y(), p.z()});
   }
-  std::vector<std::uint32_t> slot(hull.num_halfedges(), 0);
   for (const auto f : hull.faces()) {
-    auto h = hull.halfedge(f);
     std::array<std::uint32_t, 3> t{};
-    for (std::uint32_t k = 0; k < 3; ++k, h = hull.next(h)) {
-      t[k] = std::uint32_t(hull.source(h));
-      slot[std::size_t(h)] = std::uint32_t(3 * s.triangles.size() + k);
+    auto h = hull.halfedge(f);
+    for (auto& corner : t) {
+      corner = name[std::size_t(hull.source(h))];
+      h = hull.next(h);
     }
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
     s.triangles.push_back(t);
   }
+  std::sort(s.triangles.begin(), s.triangles.end());
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> edges;
+  for (std::uint32_t e = 0; e < 3 * s.triangles.size(); ++e)
+    edges.emplace(std::pair(s.triangles[e / 3][e % 3], s.triangles[e / 3][(e % 3 + 1) % 3]), e);
   s.opposite.resize(3 * s.triangles.size());
-  for (const auto h : hull.halfedges())
-    s.opposite[slot[std::size_t(h)]] = slot[std::size_t(hull.opposite(h))];
+  for (const auto& [edge, e] : edges)
+    s.opposite[e] = edges.at({edge.second, edge.first});
   return s;
 }
 
@@ -143,7 +157,7 @@ std::optional<HullResult> hullOf(const Surface& surface) {
   Hull hull;
   CGAL::convex_hull_3(points.begin(), points.end(), hull);
   if (hull.number_of_faces() < 4 || !CGAL::is_closed(hull)) return std::nullopt;
-  HullResult result{toSurface(hull), {}};
+  HullResult result{toSurface(hull, points), {}};
   const double hullVolume = volume6(result.hull);
   if (!(hullVolume > 0)) return std::nullopt;
   result.verdict.coverage = volume6(surface) / hullVolume;

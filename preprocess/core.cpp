@@ -1,14 +1,15 @@
 #include "preprocess/core.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace chamfer {
 
 MergeTolerance mergeTolerance(double boundRadius, double inradius, double radius) {
-  const double spacing = 2 * double(std::numeric_limits<float>::epsilon()) * boundRadius;
+  // Eight steps of the numbers that centres are stored in (rounding.h): a shorter edge has no direction
+  // there.
+  const double least = 8 * 0x1p-39 * boundRadius;
   // A core that is itself thin must keep its shape: its thickness is about twice what the inradius leaves.
-  return {std::max(spacing, std::min(4e-7 * boundRadius, 0.02 * (inradius - radius))), spacing};
+  return {std::max(least, std::min(2e-9 * boundRadius, 0.02 * (inradius - radius))), least};
 }
 
 std::optional<Core> offsetCore(const Polytope& polytope, std::span<const Vector3> positions, double radius,

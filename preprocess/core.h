@@ -2,7 +2,6 @@
 // rounding spheres, edges the axes of the cylinders, faces moved out by r the flats.
 #pragma once
 
-#include "preprocess/inradius.h"
 #include "preprocess/polytope.h"
 
 #include <optional>
@@ -34,7 +33,6 @@ std::optional<Core> offsetCore(const Polytope& polytope, std::span<const Vector3
 /// inner point c. Vertices nearer than the tolerance are merged. `inner`: the largest ball of the polytope,
 /// of radius above `radius`. Nothing when what is left after merging is not the surface of a polytope (a core
 /// thinner than float32 can tell).
-std::optional<Core> exactCore(std::span<const Plane> planes, double radius, const InnerBall& inner,
-                              const MergeTolerance& tolerance);
+std::optional<Core> exactCore(std::span<const Plane> planes, double radius, const MergeTolerance& tolerance);
 
 } // namespace chamfer

@@ -18,7 +18,7 @@ using Hull = CGAL::Surface_mesh<DualPoint>;
 /// Quadruple precision: the three dual points of a sliver triangle differ in their last digits only.
 using Quad = __float128;
 
-/// The vertex of E, relative to the dual's centre, whose dual plane passes through three dual points.
+/// The vertex of E whose dual plane passes through three dual points.
 std::optional<Vector3> vertexOf(const DualPoint& a, const DualPoint& b, const DualPoint& c) {
   const Quad ux = Quad(b.x()) - a.x(), uy = Quad(b.y()) - a.y(), uz = Quad(b.z()) - a.z();
   const Quad vx = Quad(c.x()) - a.x(), vy = Quad(c.y()) - a.y(), vz = Quad(c.z()) - a.z();
@@ -48,39 +48,47 @@ private:
   std::vector<std::uint32_t> parent_;
 };
 
-/// E before merging: a vertex per hull triangle, the cycle of triangles around each facet's dual point.
+/// E before merging: a vertex per hull triangle, the cycle of triangles around each facet's dual point. The
+/// hull comes in an order that differs from run to run, and so does this.
 struct RawCore {
+  std::vector<std::optional<DualPoint>> dual; ///< by facet
   std::vector<Vector3> vertices;
+  std::vector<std::array<std::uint32_t, 3>> facets; ///< of each vertex, ascending
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   std::vector<std::vector<std::uint32_t>> cycles; ///< by facet; empty where it has no face
 };
 
-std::optional<RawCore> dualHull(std::span<const Plane> planes, double radius, const Vector3& centre) {
+std::optional<RawCore> dualHull(std::span<const Plane> planes, double radius) {
+  RawCore raw;
   std::vector<DualPoint> points;
   std::map<DualPoint, std::uint32_t> facetOf; // of two equal planes one keeps the face
   points.reserve(planes.size());
   for (std::uint32_t f = 0; f < planes.size(); ++f) {
     const Plane& p = planes[f];
-    const double clearance = p.offset - radius - dot(p.normal, centre);
+    const double clearance = p.offset - radius;
     if (!(clearance > 0)) return std::nullopt;
     const Vector3 d = p.normal / clearance;
     if (!isFinite(d)) return std::nullopt;
     points.emplace_back(d.x, d.y, d.z);
+    raw.dual.push_back(points.back());
     facetOf.emplace(points.back(), f);
   }
   Hull hull;
   CGAL::convex_hull_3(points.begin(), points.end(), hull);
   if (hull.number_of_faces() < 4 || !CGAL::is_closed(hull)) return std::nullopt;
 
-  RawCore raw;
   std::vector<std::uint32_t> vertexOfFace(hull.num_faces());
   for (const auto face : hull.faces()) {
     const auto h = hull.halfedge(face);
-    const auto v = vertexOf(hull.point(hull.source(h)), hull.point(hull.target(h)),
-                            hull.point(hull.target(hull.next(h))));
+    std::array<std::uint32_t, 3> facets{facetOf.at(hull.point(hull.source(h))),
+                                        facetOf.at(hull.point(hull.target(h))),
+                                        facetOf.at(hull.point(hull.target(hull.next(h))))};
+    std::sort(facets.begin(), facets.end());
+    const auto v = vertexOf(points[facets[0]], points[facets[1]], points[facets[2]]);
     if (!v) return std::nullopt;
     vertexOfFace[std::size_t(face)] = std::uint32_t(raw.vertices.size());
-    raw.vertices.push_back(centre + *v);
+    raw.vertices.push_back(*v);
+    raw.facets.push_back(facets);
   }
   for (const auto edge : hull.edges()) {
     const auto h = hull.halfedge(edge);
@@ -140,26 +148,53 @@ bool closedSphere(const Core& core) {
   return core.vertices.size() >= 4 && faces >= 4 && core.vertices.size() + faces == directed.size() / 2 + 2;
 }
 
-std::optional<Core> merged(const RawCore& raw, double tolerance) {
+/// The vertex where more than three facets meet: from the three of them that are farthest from a pencil of
+/// planes, taken in ascending order, so that it does not depend on how the hull was triangulated.
+std::optional<Vector3> vertexOfMany(const RawCore& raw, std::span<const Plane> planes,
+                                    const std::vector<std::uint32_t>& facets) {
+  const Vector3 first = planes[facets[0]].normal;
+  std::uint32_t second = facets[0], third = facets[0];
+  double widest = -1, deepest = -1;
+  for (const std::uint32_t f : facets)
+    if (const double w = lengthSquared(cross(first, planes[f].normal)); w > widest) {
+      widest = w;
+      second = f;
+    }
+  const Vector3 pencil = cross(first, planes[second].normal);
+  for (const std::uint32_t f : facets)
+    if (const double d = std::abs(dot(pencil, planes[f].normal)); d > deepest) {
+      deepest = d;
+      third = f;
+    }
+  std::array<std::uint32_t, 3> triple{facets[0], second, third};
+  std::sort(triple.begin(), triple.end());
+  return vertexOf(*raw.dual[triple[0]], *raw.dual[triple[1]], *raw.dual[triple[2]]);
+}
+
+std::optional<Core> merged(const RawCore& raw, std::span<const Plane> planes, double tolerance) {
   UnionFind sets(raw.vertices.size());
   for (const auto& [a, b] : raw.edges)
     if (lengthSquared(raw.vertices[a] - raw.vertices[b]) <= tolerance * tolerance) sets.join(a, b);
-  std::vector<std::uint32_t> name(raw.vertices.size(), 0xffffffffu);
-  std::vector<std::size_t> members;
-  Core core;
+  // A merged vertex is known by its facets; in their order it gets its number.
+  std::map<std::uint32_t, std::vector<std::uint32_t>> facetsOfRoot;
   for (std::uint32_t i = 0; i < raw.vertices.size(); ++i) {
-    const std::uint32_t root = sets.find(i);
-    if (name[root] == 0xffffffffu) {
-      name[root] = std::uint32_t(core.vertices.size());
-      core.vertices.push_back({0, 0, 0});
-      members.push_back(0);
-    }
-    // The mean of the merged vertices: E is convex, so it lies in E.
-    core.vertices[name[root]] += raw.vertices[i];
-    ++members[name[root]];
+    auto& facets = facetsOfRoot[sets.find(i)];
+    facets.insert(facets.end(), raw.facets[i].begin(), raw.facets[i].end());
   }
-  for (std::size_t i = 0; i < core.vertices.size(); ++i)
-    core.vertices[i] = core.vertices[i] / double(members[i]);
+  std::map<std::vector<std::uint32_t>, std::uint32_t> rootOfFacets;
+  for (auto& [root, facets] : facetsOfRoot) {
+    std::sort(facets.begin(), facets.end());
+    facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
+    if (!rootOfFacets.emplace(facets, root).second) return std::nullopt;
+  }
+  std::vector<std::uint32_t> name(raw.vertices.size());
+  Core core;
+  for (const auto& [facets, root] : rootOfFacets) {
+    name[root] = std::uint32_t(core.vertices.size());
+    const auto v = facets.size() == 3 ? std::optional(raw.vertices[root]) : vertexOfMany(raw, planes, facets);
+    if (!v) return std::nullopt;
+    core.vertices.push_back(*v);
+  }
   std::vector<std::uint32_t> cycle;
   std::vector<bool> used(core.vertices.size(), false);
   for (const auto& rawCycle : raw.cycles) {
@@ -167,6 +202,7 @@ std::optional<Core> merged(const RawCore& raw, double tolerance) {
     for (const std::uint32_t v : rawCycle)
       cycle.push_back(name[sets.find(v)]);
     tidy(cycle);
+    if (!cycle.empty()) std::rotate(cycle.begin(), std::min_element(cycle.begin(), cycle.end()), cycle.end());
     for (const std::uint32_t v : cycle)
       used[v] = true;
     core.loops.items.insert(core.loops.items.end(), cycle.begin(), cycle.end());
@@ -178,13 +214,12 @@ std::optional<Core> merged(const RawCore& raw, double tolerance) {
 
 } // namespace
 
-std::optional<Core> exactCore(std::span<const Plane> planes, double radius, const InnerBall& inner,
-                              const MergeTolerance& tolerance) {
-  const auto raw = dualHull(planes, radius, inner.centre);
+std::optional<Core> exactCore(std::span<const Plane> planes, double radius, const MergeTolerance& tolerance) {
+  const auto raw = dualHull(planes, radius);
   if (!raw) return std::nullopt;
   for (double t = tolerance.preferred; t > tolerance.least; t /= 4)
-    if (auto core = merged(*raw, t)) return core;
-  return merged(*raw, tolerance.least);
+    if (auto core = merged(*raw, planes, t)) return core;
+  return merged(*raw, planes, tolerance.least);
 }
 
 } // namespace chamfer

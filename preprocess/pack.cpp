@@ -98,7 +98,7 @@ void appendSolid(RoundingArrays& arrays, const RoundedSolid& solid,
     arrays.facets.push_back(facet);
   }
   for (const Vector3& c : solid.core.vertices)
-    arrays.spheres.push_back(toFloat3(c));
+    arrays.spheres.push_back(encodeSphere(c, sphereQuantum(record)));
   for (const HalfEdge& e : edges) {
     if (wide)
       arrays.wide.push_back(e);

@@ -1,6 +1,7 @@
 #include "preprocess/round_solid.h"
 
 #include "preprocess/convexity.h"
+#include "preprocess/inradius.h"
 
 #include <algorithm>
 #include <chrono>
@@ -74,6 +75,20 @@ std::optional<Fault> judgeByHull(const Component& component, const PreprocessOpt
   return std::nullopt;
 }
 
+void recentre(RoundedSolid& solid, const Vector3& to, Polytope& polytope, std::vector<Vector3>& positions,
+              std::vector<Vector3>& hullPositions) {
+  solid.origin += to;
+  for (Plane& p : polytope.facets)
+    p.offset -= dot(p.normal, to);
+  solid.boundRadius = 0;
+  for (Vector3& p : positions) {
+    p -= to;
+    solid.boundRadius = std::max(solid.boundRadius, length(p));
+  }
+  for (Vector3& p : hullPositions)
+    p -= to;
+}
+
 std::vector<FacetTree> buildTrees(const RoundedSolid& solid, const Surface& surface) {
   std::vector<FacetTree> trees;
   const Lists& loops = solid.core.loops;
@@ -143,9 +158,11 @@ RoundedSolid roundSolid(const Component& component, const PreprocessOptions& opt
     solid.radiusTooLarge = true;
     return solid;
   }
+  // The frame's origin becomes the inner ball's centre, a point inside E.
+  recentre(solid, inner.centre, polytope, surface.positions, hullPositions);
   const MergeTolerance merge = mergeTolerance(solid.boundRadius, inner.radius, solid.radius);
   auto core = offsetCore(polytope, plain ? surface.positions : hullPositions, solid.radius, merge.preferred);
-  if (!core) core = exactCore(polytope.facets, solid.radius, inner, merge);
+  if (!core) core = exactCore(polytope.facets, solid.radius, merge);
   if (!core) {
     solid.radiusTooLarge = true;
     return solid;

@@ -122,7 +122,7 @@ TEST_F(SidecarTest, WrongIndicesAreFoundBehindRightChecksums) {
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.facets[0].first = 4; }));
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.facets[0].solid = 1; }));
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.facets[0].normal.x = 3; }));
-  EXPECT_TRUE(refused([](RoundingArrays& a) { a.spheres[0].x = NAN; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) { a.spheres[0].near.x = NAN; }));
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.solids[0].radius = -1; }));
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.solids[1].firstFacet = 4000; }));
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.solids[0].halfEdgeCount = 22; }));
