@@ -140,7 +140,9 @@ Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, c
   };
   if (!std::filesystem::exists(file))
     throw Error(ErrorKind::NotFound, "\"" + name + "\": there is no such file");
-  const auto input = OIIO::ImageInput::open(file.string());
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1); // colours as they are in the file, not times alpha
+  const auto input = OIIO::ImageInput::open(file.string(), &config);
   if (!input) {
     (void)OIIO::geterror(); // the library's text names paths of this machine
     fail("is not an image of a known format");

@@ -7,24 +7,22 @@
 namespace chamfer {
 namespace {
 
-/// Where a shadow ray to `target` must end so that it does not meet the surface `target` lies on. The tracer
-/// meets a triangle in float32: its t is off by some rounding errors of the coordinates, over the cosine.
-double shadowEnd(const Point3& p, const Vector3& toLight, const Point3& target, double cosine) {
-  constexpr double kErrors = 32 * double(std::numeric_limits<float>::epsilon());
-  const auto size = [](const Vector3& v) {
-    return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
-  };
-  const double coordinates = size(Vector3(p)) + size(Vector3(target));
-  return 1 - kErrors * (1 + coordinates / (length(toLight) * std::max(cosine, 1e-3)));
+/// Where a shadow ray to a point of a triangle must end so that it does not meet the triangle itself. The
+/// tracer meets triangles in float32 and starts rays off the plane that they leave: both move the meeting by
+/// some units in the last place of the scene's extent, over the cosine. Within that distance of a light
+/// nothing casts a shadow.
+double shadowEnd(double reach, double distance, double cosine) {
+  constexpr double kErrors = 32 * 0x1p-24;
+  return std::max(0.0, 1 - kErrors * (1 + reach / (distance * cosine)));
 }
 
 } // namespace
 
 Lights::Lights(std::shared_ptr<const Environment> environment, std::vector<DistantLight> distant,
-               std::vector<PointLight> points, const std::vector<EmissiveTriangle>& triangles,
-               const Bounds3& bounds)
+               std::vector<PointLight> points, std::vector<EmissiveTriangle> triangles, const Bounds3& bounds,
+               double reach)
     : environment_(std::move(environment)), distant_(std::move(distant)), points_(std::move(points)),
-      triangles_(triangles) {
+      triangles_(std::move(triangles)), reach_(reach) {
   const double radius =
       bounds.empty() ? 1 : std::max(bounds.diagonal() / 2, std::numeric_limits<double>::min());
   const double disk = std::numbers::pi * radius * radius;
@@ -95,6 +93,12 @@ LightSample Lights::sampleEnvironment(const Float2& u) const {
 
 float Lights::distantPdf(std::size_t index) const { return 1 / (2 * kPi * oneMinusCos_[index]); }
 
+Color Lights::coneRadiance(std::size_t index) const {
+  // A surface that faces a cone receives pi sin^2 times its radiance; sin^2 = (1 - cos) (1 + cos).
+  const float drop = oneMinusCos_[index];
+  return distant_[index].irradiance * (1 / (kPi * drop * (2 - drop)));
+}
+
 LightSample Lights::sampleDistant(std::size_t index, const Float2& u) const {
   const DistantLight& light = distant_[index];
   LightSample s;
@@ -108,7 +112,7 @@ LightSample Lights::sampleDistant(std::size_t index, const Float2& u) const {
   }
   s.toLight = Vector3(Frame(Vector3f(light.direction)).toWorld(warpToCone(u, oneMinusCos_[index])));
   s.pdf = distantPdf(index);
-  s.radiance = light.irradiance * s.pdf; // uniform over a cone so narrow that its cosines are 1
+  s.radiance = coneRadiance(index);
   return s;
 }
 
@@ -134,7 +138,7 @@ LightSample Lights::sampleTriangle(const EmissiveTriangle& light, const Point3& 
   const Vector3 normal = cross(light.edge1, light.edge2);
   const double cosine = std::abs(dot(normal, s.toLight)) / std::sqrt(lengthSquared(normal) * distanceSquared);
   if (!(distanceSquared > 0) || !(cosine > 0)) return s;
-  s.tfar = shadowEnd(p, s.toLight, target, cosine);
+  s.tfar = shadowEnd(reach_, std::sqrt(distanceSquared), cosine);
   s.radiance = light.emission;
   s.pdf = trianglePdf(light.emission, distanceSquared, cosine);
   return s;
@@ -153,7 +157,7 @@ Color Lights::escaped(const Vector3f& d, float bsdfPdf) const {
     // 1 - cos from the chord, which keeps its digits for narrow cones.
     const Vector3f chord = d - Vector3f(distant_[i].direction);
     if (lengthSquared(chord) > 2 * oneMinusCos_[i]) continue;
-    sum += distant_[i].irradiance * (distantPdf(i) * weight(1 + i, [&] { return distantPdf(i); }));
+    sum += coneRadiance(i) * weight(1 + i, [&] { return distantPdf(i); });
   }
   return sum;
 }

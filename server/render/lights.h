@@ -42,10 +42,11 @@ struct LightSample {
 
 class Lights {
 public:
-  /// `bounds`: of what is to be lit; it sets the power of distant lights against that of near ones.
+  /// `bounds`: of what is to be lit; it sets the power of distant lights against that of near ones. `reach`:
+  /// extent of all that is traced, which bounds the tracer's errors.
   Lights(std::shared_ptr<const Environment> environment, std::vector<DistantLight> distant,
-         std::vector<PointLight> points, const std::vector<EmissiveTriangle>& triangles,
-         const Bounds3& bounds);
+         std::vector<PointLight> points, std::vector<EmissiveTriangle> triangles, const Bounds3& bounds,
+         double reach);
 
   bool empty() const { return choices_.size() == 0; }
   /// A direction to a light as seen from `p`. `choice` and `u` are uniform.
@@ -68,12 +69,14 @@ private:
   LightSample samplePoint(std::size_t index, const Point3& p) const;
   LightSample sampleTriangle(const EmissiveTriangle& light, const Point3& p, const Float2& u) const;
   float distantPdf(std::size_t index) const;
+  Color coneRadiance(std::size_t index) const;
 
   std::shared_ptr<const Environment> environment_;
   std::vector<DistantLight> distant_;
   std::vector<float> oneMinusCos_; ///< of each distant light's cone
   std::vector<PointLight> points_;
   std::vector<EmissiveTriangle> triangles_;
+  double reach_;
   AliasTable triangleTable_;
   AliasTable choices_;       ///< environment (if any), distant lights, point lights, all triangles (if any)
   double triangleScale_ = 0; ///< density per area and unit of luminance, choice included

@@ -92,9 +92,10 @@ PreparedScene::PreparedScene(std::shared_ptr<const Scene> scene,
   const SceneData& data = *scene_->data;
   std::vector<TracedInstance> all = ownInstances();
   all.insert(all.end(), data.extraInstances.begin(), data.extraInstances.end());
-  lights_ = std::make_unique<Lights>(data.environment, data.distantLights, data.pointLights,
-                                     emissiveTriangles(*scene_, all), scene_->bounds);
+  std::vector<EmissiveTriangle> emissive = emissiveTriangles(*scene_, all);
   tracer_ = makeTracer(std::move(all));
+  lights_ = std::make_unique<Lights>(data.environment, data.distantLights, data.pointLights,
+                                     std::move(emissive), scene_->bounds, tracer_->bounds().diagonal());
 }
 
 std::vector<TracedInstance> PreparedScene::ownInstances() const {

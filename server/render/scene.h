@@ -20,7 +20,7 @@ namespace chamfer {
 
 /// Pinhole or thin-lens camera. World units; `up` need not be orthogonal to the view.
 struct Camera {
-  Point3 eye{0, 0, 1};
+  Point3 eye{0, -5, 0};
   Point3 target{0, 0, 0};
   Vector3 up{0, 0, 1};
   double vfovDegrees = 40;

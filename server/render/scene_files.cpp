@@ -11,7 +11,9 @@ namespace fs = std::filesystem;
 
 fs::path resolveBelow(const fs::path& root, const fs::path& base, const std::string& name) {
   const fs::path relative(name);
-  if (name.empty() || name.find('\0') != std::string::npos || relative.is_absolute())
+  if (name.find('\0') != std::string::npos)
+    throw Error(ErrorKind::Malformed, "a file's name must not contain a zero character");
+  if (name.empty() || relative.is_absolute())
     throw Error(ErrorKind::Malformed, "\"" + name + "\": name the file relative to the scene file");
   if (std::find(relative.begin(), relative.end(), "..") != relative.end())
     throw Error(ErrorKind::Malformed, "\"" + name + "\": \"..\" is not allowed in a file's name");

@@ -1,0 +1,170 @@
+#include "server/render/image_io.h"
+
+#include "tests/render/scene_files_fixture.h"
+
+#include <OpenImageIO/imageio.h>
+#include <cstring>
+#include <fstream>
+#include <gmock/gmock.h>
+
+namespace chamfer {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+using testing::HasSubstr;
+
+Image testImage() {
+  Image image{5, 3, {}};
+  for (unsigned i = 0; i < 15; ++i)
+    image.rgba.insert(image.rgba.end(),
+                      {float(i) / 14, 0.18f, i == 7 ? 100.f : 1e-3f * float(i), float(i % 2)});
+  return image;
+}
+
+void writeBytes(const fs::path& path, const std::vector<std::byte>& bytes) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+}
+
+std::vector<float> decode(const fs::path& path, int& width, int& height) {
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  const auto in = OIIO::ImageInput::open(path.string(), &config);
+  if (!in) return {};
+  width = in->spec().width;
+  height = in->spec().height;
+  EXPECT_EQ(in->spec().nchannels, 4);
+  std::vector<float> values(std::size_t(width) * std::size_t(height) * 4);
+  EXPECT_TRUE(in->read_image(0, 0, 0, 4, OIIO::TypeDesc::FLOAT, values.data()));
+  return values;
+}
+
+/// Decodes by the definition of binary16.
+double fromHalf(std::uint16_t h) {
+  const int exponent = (h >> 10) & 31, mantissa = h & 1023;
+  const double sign = h & 0x8000 ? -1 : 1;
+  if (exponent == 31) return mantissa ? NAN : sign * INFINITY;
+  if (exponent == 0) return sign * std::ldexp(mantissa, -24);
+  return sign * std::ldexp(1024 + mantissa, exponent - 25);
+}
+
+double throughF16(float value) {
+  Image image{1, 1, {value, 0, 0, 1}};
+  const auto bytes = encodeF16(image, 1);
+  std::uint16_t h;
+  std::memcpy(&h, bytes.data() + 16, 2);
+  return fromHalf(h);
+}
+
+TEST(F16, HeaderAndLayoutAreAsDocumented) {
+  const auto bytes = encodeF16(testImage(), 42);
+  ASSERT_EQ(bytes.size(), 16u + 5 * 3 * 4 * 2);
+  EXPECT_EQ(std::memcmp(bytes.data(), "CT16\5\0\0\0\3\0\0\0\x2a\0\0\0", 16), 0);
+  std::uint16_t last;
+  std::memcpy(&last, bytes.data() + bytes.size() - 8, 2);
+  EXPECT_EQ(fromHalf(last), 1); // red of the lower right pixel
+}
+
+TEST(F16, RoundsToNearestEvenOverTheWholeRange) {
+  // Every half is itself; halfway between two goes to the even one, just beyond it to the nearer.
+  for (unsigned h = 0; h < 0x7c00; ++h) {
+    const double a = fromHalf(std::uint16_t(h)), b = h < 0x7bff ? fromHalf(std::uint16_t(h + 1)) : 65536;
+    ASSERT_EQ(throughF16(float(a)), a) << h;
+    const double even = h % 2 ? (h < 0x7bff ? b : INFINITY) : a;
+    const auto middle = float((a + b) / 2);
+    ASSERT_EQ(throughF16(middle), even) << h;
+    ASSERT_EQ(throughF16(std::nextafter(middle, 0.f)), a) << h;
+    ASSERT_EQ(throughF16(-float(a)), -a) << h;
+  }
+  EXPECT_EQ(throughF16(65504), 65504);
+  EXPECT_EQ(throughF16(1e30f), INFINITY);
+  EXPECT_EQ(throughF16(-INFINITY), -INFINITY);
+  EXPECT_TRUE(std::isnan(throughF16(NAN)));
+}
+
+TEST(Png, IsSRgbAndDeterministic) {
+  const TemporaryFolder folder;
+  const auto bytes = encodePng(testImage());
+  EXPECT_EQ(bytes, encodePng(testImage()));
+  writeBytes(folder.path() / "a.png", bytes);
+  int width = 0, height = 0;
+  const auto values = decode(folder.path() / "a.png", width, height);
+  ASSERT_EQ(width, 5);
+  ASSERT_EQ(height, 3);
+  EXPECT_EQ(std::lround(values[1] * 255), 118) << "middle grey, 18 % linear";
+  EXPECT_EQ(std::lround(values[14 * 4] * 255), 255);
+  EXPECT_EQ(std::lround(values[7 * 4 + 2] * 255), 255) << "clamped";
+  EXPECT_EQ(std::lround(values[1 * 4 + 3] * 255), 255) << "alpha";
+  EXPECT_EQ(values[2 * 4 + 3], 0) << "alpha";
+  EXPECT_EQ(std::lround(values[2 * 4 + 1] * 255), 118) << "colour is not multiplied by alpha";
+}
+
+TEST(Png, NaNIsBlack) {
+  const TemporaryFolder folder;
+  writeImage(folder.path() / "a.png", {1, 1, {NAN, INFINITY, -1, 1}});
+  int width, height;
+  const auto values = decode(folder.path() / "a.png", width, height);
+  EXPECT_EQ(values[0], 0);
+  EXPECT_EQ(values[1], 1);
+  EXPECT_EQ(values[2], 0);
+}
+
+TEST(Exr, KeepsEveryBit) {
+  const TemporaryFolder folder;
+  const Image image = testImage();
+  EXPECT_EQ(encodeExr(image), encodeExr(image));
+  writeImage(folder.path() / "a.exr", image);
+  int width, height;
+  EXPECT_EQ(decode(folder.path() / "a.exr", width, height), image.rgba);
+  EXPECT_FALSE(fs::exists(folder.path() / "a.exr.part"));
+}
+
+TEST(WriteImage, RefusesOtherFormatsAndPlacesThatAreNot) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(test::thrownBy([&] { writeImage(folder.path() / "a.gif", testImage()); }),
+              testing::StartsWith("usage: "));
+  EXPECT_THAT(test::thrownBy([&] { writeImage(folder.path() / "none" / "a.png", testImage()); }),
+              testing::StartsWith("cannot-write: "));
+  EXPECT_THAT(test::thrownBy([&] {
+                encodePng(Image{2, 2, std::vector<float>(4)});
+              }),
+              HasSubstr("do not fill"));
+}
+
+TEST(ReadTexture, DecodesByTheKindOfItsPixels) {
+  const TemporaryFolder folder;
+  const Image image{2, 2, {0.18f, 0.5f, 0, 1, 1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1}};
+  writeImage(folder.path() / "a.png", image);
+  writeImage(folder.path() / "a.exr", image);
+  const Texture png = readTexture(folder.path() / "a.png", PixelEncoding::Automatic, "a.png");
+  EXPECT_NEAR(png.pixel(0, 0).r, 0.18, 2e-3);
+  EXPECT_EQ(png.pixel(1, 0), (Color{1, 0, 0}));
+  EXPECT_EQ(png.pixel(0, 1), (Color{0, 1, 0}));
+  const Texture raw = readTexture(folder.path() / "a.png", PixelEncoding::Linear, "a.png");
+  EXPECT_NEAR(raw.pixel(0, 0).r, 118 / 255.0, 1e-6);
+  EXPECT_EQ(readTexture(folder.path() / "a.exr", PixelEncoding::Automatic, "a").pixel(0, 0).r, 0.18f);
+  EXPECT_FALSE(png.contentDigest() == raw.contentDigest());
+  // v runs up, and the image repeats.
+  EXPECT_EQ(png.at(0.75f, 0.75f), (Color{1, 0, 0}));
+  EXPECT_EQ(png.at(-0.25f, 3.75f), (Color{1, 0, 0}));
+  EXPECT_NEAR(png.at(0.5f, 0.25f).g, 0.5, 1e-6) << "between two pixels";
+}
+
+TEST(ReadTexture, RefusesWhatIsNotAnImage) {
+  const TemporaryFolder folder;
+  folder.write("text.png", "not an image");
+  const auto thrown = [&](const char* name) {
+    return test::thrownBy([&] { readTexture(folder.path() / name, PixelEncoding::Automatic, name); });
+  };
+  EXPECT_THAT(thrown("text.png"), testing::StartsWith("malformed: \"text.png\""));
+  EXPECT_THAT(thrown("none.png"), testing::StartsWith("not-found: "));
+  writeImage(folder.path() / "negative.exr", {2, 1, {0, 0, 0, 1, -1, 0, 0, 1}});
+  EXPECT_THAT(thrown("negative.exr"), HasSubstr("pixel 1,0 is negative"));
+  const auto bytes = encodeExr(testImage());
+  writeBytes(folder.path() / "cut.exr", {bytes.begin(), bytes.begin() + std::ptrdiff_t(bytes.size() - 60)});
+  EXPECT_THAT(thrown("cut.exr"), testing::StartsWith("malformed: \"cut.exr\""));
+}
+
+} // namespace
+} // namespace chamfer
