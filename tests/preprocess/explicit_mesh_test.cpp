@@ -49,15 +49,15 @@ TEST(ExplicitMesh, ConvergesToSteinersFormulas) {
       options.radius.value = share * inradius;
       const auto result = preprocess(mesh, options);
       double coarse[2] = {};
-      for (const unsigned segments : {8u, 32u}) {
+      for (const unsigned segments : {24u, 96u}) {
         const ExplicitMesh rounded = explicitMesh(result.rounding->view(), mesh, segments);
         ASSERT_TRUE(closedManifold(rounded)) << solid.name << " at " << share << " with " << segments;
         const Totals t = totals(rounded);
         const double errors[2] = {std::abs(t.volume / double(truth.volume()) - 1),
                                   std::abs(t.area / double(truth.area()) - 1)};
         for (int k = 0; k < 2; ++k) {
-          // Chords converge with the square of the number of segments: 16 times from 8 to 32.
-          if (segments == 32) {
+          // Chords converge with the square of the number of segments: 16 times from 24 to 96.
+          if (segments == 96) {
             EXPECT_LT(errors[k], coarse[k] / 12 + 2e-5)
                 << solid.name << " at " << share << (k ? " area" : " volume");
           }
