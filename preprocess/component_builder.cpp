@@ -23,9 +23,9 @@ std::string counted(std::size_t count, const char* one, const char* many) {
 
 } // namespace
 
-/// Replaces the mesh vertices of triangles_ by local numbers from `from` on, in order of appearance.
-void ComponentBuilder::number(std::span<std::uint32_t> localOf, std::size_t from) {
-  meshVertex_.resize(from);
+/// Replaces the mesh vertices of triangles_ by local numbers in order of appearance.
+void ComponentBuilder::numberVertices(std::span<std::uint32_t> localOf) {
+  meshVertex_.clear();
   for (Triangle& t : triangles_)
     for (std::uint32_t& v : t) {
       std::uint32_t& local = localOf[v];
@@ -60,7 +60,7 @@ ByIndex ComponentBuilder::buildByIndex(std::span<const std::uint32_t> members,
       meshTriangle_.push_back(m);
     }
   }
-  number(localOf, 0);
+  numberVertices(localOf);
   const PairingCounts counts = pairer_.pair(triangles_, meshVertex_.size(), opposite_);
   if (counts.open > 0 || triangles_.size() < 4) return ByIndex::Open;
   if (counts.crowded > 0) return ByIndex::Crowded;
@@ -111,20 +111,20 @@ Component ComponentBuilder::buildPaired(std::span<const std::uint32_t> members,
   fillPositions(out);
   const std::uint32_t first = out.meshTriangle.front();
   if (out.triangles.size() < 4) {
-    out.fault = fault(FaultKind::TooFew,
+    out.fault = Fault{FaultKind::TooFew,
                       "it has " + counted(out.triangles.size(), "triangle", "triangles") +
                           " back to back; a solid has at least 4",
-                      double(out.triangles.size()), out.positions.front(), first);
+                      double(out.triangles.size()), out.positions.front(), first};
   } else if (!consistency.orientable) {
     out.fault =
-        fault(FaultKind::Misoriented, "it is a one-sided surface: no inside can be told from its outside",
-              double(out.triangles.size()), out.positions.front(), first);
+        Fault{FaultKind::Misoriented, "it is a one-sided surface: no inside can be told from its outside",
+              double(out.triangles.size()), out.positions.front(), first};
   } else if (2 * out.positions.size() != out.triangles.size() + 4) {
     const double genus = 1 - (double(out.positions.size()) - double(out.triangles.size()) / 2) / 2;
-    out.fault = fault(FaultKind::Genus,
+    out.fault = Fault{FaultKind::Genus,
                       "it has " + counted(std::size_t(genus), "handle", "handles") +
                           " (holes through it), so it is not convex",
-                      genus, out.positions.front(), first);
+                      genus, out.positions.front(), first};
   } else {
     finishClosed(out, consistency);
   }
@@ -141,7 +141,7 @@ Component ComponentBuilder::buildFaulty(std::span<const std::uint32_t> members,
     triangles_.push_back(corners[m]);
     out.meshTriangle.push_back(meshTriangle[m]);
   }
-  number(localOf, 0);
+  numberVertices(localOf);
   const PairingCounts counts = pairer_.pair(triangles_, meshVertex_.size(), out.opposite);
   out.triangles = triangles_;
   fillPositions(out);
@@ -155,10 +155,10 @@ void ComponentBuilder::finishClosed(Component& component, const Consistency& con
   const std::uint32_t first = component.meshTriangle.front();
   if (!(diagonal >= kLeastDiagonal && diagonal <= kMostDiagonal)) {
     component.fault =
-        fault(FaultKind::NotFinite,
+        Fault{FaultKind::NotFinite,
               "its diagonal is " + text(diagonal) + ", outside " + text(kLeastDiagonal) + " to " +
                   text(kMostDiagonal) + ", where single precision can square lengths; scale the mesh",
-              diagonal, component.positions.front(), first);
+              diagonal, component.positions.front(), first};
     return;
   }
   const Extent extent = measure(component.triangles, component.positions, component.bounds);
@@ -172,16 +172,11 @@ void ComponentBuilder::finishClosed(Component& component, const Consistency& con
   // A plate of thickness t has volume t * area / 2.
   const double thickness = extent.area > 0 ? 2 * std::abs(extent.volume) / extent.area : 0;
   if (!(thickness > tolerances_.planarity))
-    component.fault = fault(FaultKind::Flat,
+    component.fault = Fault{FaultKind::Flat,
                             "it is flat: twice its volume over its area is " + text(thickness) +
                                 " of its diagonal; at most the planarity tolerance of " +
                                 text(tolerances_.planarity) + " counts as no thickness",
-                            thickness, component.positions.front(), first);
-}
-
-Fault ComponentBuilder::fault(FaultKind kind, std::string message, double measure, const Point3& place,
-                              std::uint32_t triangle) const {
-  return {kind, std::move(message), measure, place, triangle};
+                            thickness, component.positions.front(), first};
 }
 
 Fault ComponentBuilder::notClosed(const Component& component, const PairingCounts& counts) const {
@@ -205,24 +200,24 @@ Fault ComponentBuilder::notClosed(const Component& component, const PairingCount
   if (face < mesh_.lineOfFace.size()) where += " (line " + std::to_string(mesh_.lineOfFace[face]) + ")";
   const Point3 middle = a + (b - a) * 0.5;
   if (count < 4)
-    return fault(FaultKind::TooFew,
+    return Fault{FaultKind::TooFew,
                  "it has " + counted(count, "triangle", "triangles") +
                      ", a solid has at least 4; open edge " + where,
-                 double(count), middle, triangle);
+                 double(count), middle, triangle};
   if (open) {
     std::string message =
         "it is open: " + counted(counts.open, "edge has a triangle", "edges have a triangle") +
         " on one side only, the first " + where;
     if (counts.crowded > 0)
       message += "; " + counted(counts.crowded, "edge is shared", "edges are shared") + " by more than two";
-    return fault(FaultKind::Open, message + ". Close it; --weld joins vertices that nearly meet",
-                 double(counts.open), middle, triangle);
+    return Fault{FaultKind::Open, message + ". Close it; --weld joins vertices that nearly meet",
+                 double(counts.open), middle, triangle};
   }
-  return fault(FaultKind::NonManifold,
+  return Fault{FaultKind::NonManifold,
                "it is not manifold: at " + counted(counts.crowded, "edge", "edges") +
                    " more than two triangles meet, " + std::to_string(pairer_.crowdedEnds().front()) +
                    " at the first, " + where + ". Solids that touch need vertices of their own",
-               double(counts.crowded), middle, triangle);
+               double(counts.crowded), middle, triangle};
 }
 
 } // namespace chamfer

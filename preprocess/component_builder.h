@@ -38,11 +38,9 @@ public:
                         std::span<const std::uint32_t> meshTriangle, std::span<std::uint32_t> localOf);
 
 private:
-  void number(std::span<std::uint32_t> localOf, std::size_t from);
+  void numberVertices(std::span<std::uint32_t> localOf);
   void fillPositions(Component& component) const;
   void finishClosed(Component& component, const Consistency& consistency);
-  Fault fault(FaultKind kind, std::string message, double measure, const Point3& place,
-              std::uint32_t triangle) const;
   Fault notClosed(const Component& component, const PairingCounts& counts) const;
 
   const TriangleMesh& mesh_;

@@ -2,7 +2,7 @@
 
 #include "preprocess/component_builder.h"
 #include "preprocess/disjoint_sets.h"
-#include "preprocess/polytope.h"
+#include "preprocess/grouping.h"
 #include "preprocess/weld.h"
 
 #include <algorithm>
@@ -10,32 +10,6 @@
 
 namespace chamfer {
 namespace {
-
-/// Sets of equal representative as lists, in order of their first member.
-template <class SetOf>
-Lists listsOf(std::size_t count, SetOf setOf) {
-  std::vector<std::uint32_t> listOfSet, list(count);
-  std::vector<std::uint32_t> number(count, kNone);
-  Lists lists;
-  lists.start.clear();
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t set = setOf(i);
-    if (number[set] == kNone) {
-      number[set] = std::uint32_t(lists.start.size());
-      lists.start.push_back(0);
-    }
-    list[i] = number[set];
-    ++lists.start[list[i]];
-  }
-  lists.start.push_back(0);
-  std::uint32_t sum = 0;
-  for (std::uint32_t& s : lists.start)
-    s = sum += s;
-  lists.items.resize(count);
-  for (std::uint32_t i = std::uint32_t(count); i-- > 0;)
-    lists.items[--lists.start[list[i]]] = i;
-  return lists;
-}
 
 class Repairer {
 public:
@@ -103,7 +77,8 @@ private:
     std::vector<bool> open(corners_.size());
     for (std::uint32_t h = 0; h < opposite_.size(); ++h)
       if (opposite_[h] == kNone) open[sets.find(h / 3)] = true;
-    const Lists surfaces = listsOf(corners_.size(), [&](std::uint32_t i) { return sets.find(i); });
+    const Lists surfaces =
+        listsBy(corners_.size(), corners_.size(), [&](std::uint32_t i) { return sets.find(i); });
     std::vector<std::uint32_t> closed, rest;
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
       if (!open[sets.find(surfaces[s][0])])
@@ -239,13 +214,8 @@ private:
       pieces.join(t[0], t[1]);
       pieces.join(t[0], t[2]);
     }
-    // Sets of triangles: each is named by the first triangle seen of its vertices' piece.
-    std::vector<std::uint32_t> firstOf(mesh_.positions.size(), kNone);
-    const Lists sets = listsOf(corners_.size(), [&](std::uint32_t i) {
-      std::uint32_t& first = firstOf[pieces.find(corners_[i][0])];
-      if (first == kNone) first = i;
-      return first;
-    });
+    const Lists sets = listsBy(corners_.size(), mesh_.positions.size(),
+                               [&](std::uint32_t i) { return pieces.find(corners_[i][0]); });
     const std::size_t first = result_.list.size();
     result_.list.resize(first + sets.size());
     std::vector<std::uint32_t> localOf(mesh_.positions.size(), kNone);

@@ -2,8 +2,8 @@
 
 #include "preprocess/component_builder.h"
 #include "preprocess/disjoint_sets.h"
+#include "preprocess/grouping.h"
 #include "preprocess/nesting.h"
-#include "preprocess/polytope.h"
 #include "preprocess/repair.h"
 
 #include <algorithm>
@@ -15,38 +15,12 @@
 namespace chamfer {
 namespace {
 
-struct IndexGroups {
-  Lists triangles; ///< of each group, ascending; groups in order of their first triangle
-  std::size_t unusedVertices = 0;
-};
-
-IndexGroups groupByIndex(const TriangleMesh& mesh) {
-  DisjointSets sets(mesh.positions.size());
+std::size_t countUnused(const TriangleMesh& mesh) {
+  std::vector<char> used(mesh.positions.size());
   for (const auto& t : mesh.triangles)
-    sets.join(sets.join(t[0], t[1]), t[2]);
-  IndexGroups groups;
-  std::vector<std::uint32_t> groupOfSet(mesh.positions.size(), kNone), groupOf(mesh.triangles.size());
-  std::vector<std::uint32_t>& start = groups.triangles.start;
-  start.clear();
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    std::uint32_t& group = groupOfSet[sets.find(mesh.triangles[i][0])];
-    if (group == kNone) {
-      group = std::uint32_t(start.size());
-      start.push_back(0);
-    }
-    groupOf[i] = group;
-    ++start[group];
-  }
-  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
-    groups.unusedVertices += groupOfSet[sets.find(v)] == kNone;
-  start.push_back(0);
-  std::uint32_t sum = 0;
-  for (std::uint32_t& s : start)
-    s = sum += s;
-  groups.triangles.items.resize(mesh.triangles.size());
-  for (std::size_t i = mesh.triangles.size(); i-- > 0;)
-    groups.triangles.items[--start[groupOf[i]]] = std::uint32_t(i);
-  return groups;
+    for (const std::uint32_t v : t)
+      used[v] = 1;
+  return std::size_t(std::count(used.begin(), used.end(), 0));
 }
 
 void countTurns(Components& result) {
@@ -105,9 +79,13 @@ Components splitComponents(const TriangleMesh& mesh, const InputTolerances& tole
     });
   };
 
-  const IndexGroups groups = groupByIndex(mesh);
-  const std::size_t count = groups.triangles.size();
-  result.counts.unusedVertices = groups.unusedVertices;
+  DisjointSets sets(mesh.positions.size());
+  for (const auto& t : mesh.triangles)
+    sets.join(sets.join(t[0], t[1]), t[2]);
+  const Lists groups = listsBy(mesh.triangles.size(), mesh.positions.size(),
+                               [&](std::uint32_t i) { return sets.find(mesh.triangles[i][0]); });
+  const std::size_t count = groups.size();
+  result.counts.unusedVertices = countUnused(mesh);
   std::vector<ByIndex> byIndex(count, ByIndex::Open);
   if (!mesh.soup) { // whose indices say nothing
     result.list.resize(count);
@@ -115,7 +93,7 @@ Components splitComponents(const TriangleMesh& mesh, const InputTolerances& tole
     tbb::enumerable_thread_specific<ComponentBuilder> builders(
         [&] { return ComponentBuilder(mesh, tolerances); });
     forEach(count, [&](std::size_t i) {
-      byIndex[i] = builders.local().buildByIndex(groups.triangles[i], localOf, result.list[i]);
+      byIndex[i] = builders.local().buildByIndex(groups[i], localOf, result.list[i]);
     });
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i)
@@ -131,7 +109,7 @@ Components splitComponents(const TriangleMesh& mesh, const InputTolerances& tole
     for (std::size_t i = 0; i < count; ++i) {
       if (byIndex[i] == ByIndex::Closed) continue;
       auto& to = byIndex[i] == ByIndex::Crowded ? crowded : open;
-      to.insert(to.end(), groups.triangles[i].begin(), groups.triangles[i].end());
+      to.insert(to.end(), groups[i].begin(), groups[i].end());
     }
     repairComponents(mesh, tolerances, crowded, open, forEach, result);
     std::sort(result.list.begin(), result.list.end(), [](const Component& a, const Component& b) {

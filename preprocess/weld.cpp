@@ -92,7 +92,7 @@ void weldNear(std::span<const Triangle> triangles, std::span<const Point3> posit
     pieces.join(t[0], t[1]);
     pieces.join(t[0], t[2]);
   }
-  std::unordered_map<std::uint32_t, Bounds3> boxes;
+  std::vector<Bounds3> boxes(positions.size()); // of each piece, at its representative
   Bounds3 all;
   for (const Triangle& t : triangles)
     for (const std::uint32_t v : t) {
