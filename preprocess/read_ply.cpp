@@ -1,111 +1,23 @@
 // PLY: ASCII, binary little-endian and big-endian. Elements in any order, polygons of any size, properties
 // that we do not use skipped by their declared type. A reader of our own: CGAL's lets vertex indices out of
 // range pass and names no place, OpenMesh's returns true for files that end early or hold words for numbers.
-#include "preprocess/read_formats.h"
-
 #include "common/rounding.h"
+#include "preprocess/read_formats.h"
+#include "preprocess/read_ply_header.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <optional>
 
 namespace chamfer {
 namespace {
 
-enum class Kind : std::uint8_t { I8, U8, I16, U16, I32, U32, F32, F64 };
-
-std::optional<Kind> kindOf(std::string_view word) {
-  constexpr struct {
-    const char *name, *other;
-    Kind kind;
-  } kKinds[] = {{"char", "int8", Kind::I8},      {"uchar", "uint8", Kind::U8},
-                {"short", "int16", Kind::I16},   {"ushort", "uint16", Kind::U16},
-                {"int", "int32", Kind::I32},     {"uint", "uint32", Kind::U32},
-                {"float", "float32", Kind::F32}, {"double", "float64", Kind::F64}};
-  for (const auto& k : kKinds)
-    if (word == k.name || word == k.other) return k.kind;
-  return std::nullopt;
-}
+using ply::Element, ply::Encoding, ply::Header, ply::Kind, ply::Property;
 
 std::size_t sizeOf(Kind kind) {
   constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
   return kSizes[std::size_t(kind)];
-}
-
-struct Property {
-  std::string name;
-  Kind kind = Kind::F32;
-  std::optional<Kind> countKind; ///< set for lists
-};
-
-struct Element {
-  std::string name;
-  std::size_t count = 0, line = 0;
-  std::vector<Property> properties;
-  std::size_t find(std::initializer_list<const char*> names) const {
-    for (std::size_t i = 0; i < properties.size(); ++i)
-      for (const char* candidate : names)
-        if (properties[i].name == candidate) return i;
-    return properties.size();
-  }
-};
-
-enum class Encoding : std::uint8_t { Ascii, Little, Big };
-
-struct Header {
-  Encoding encoding = Encoding::Ascii;
-  std::vector<Element> elements;
-  std::size_t lines = 0, bytes = 0; ///< up to and with end_header
-};
-
-Header readHeader(std::string_view bytes, std::string_view name) {
-  Header header;
-  TextPlace place{name};
-  LineReader reader(bytes);
-  std::string_view line;
-  std::vector<std::string_view> t;
-  bool format = false;
-  while (reader.next(line)) {
-    place.line = reader.number();
-    splitTokens(line, t);
-    if (place.line == 1 && (t.size() != 1 || t[0] != "ply"))
-      malformed(place, "no PLY: the first line is not \"ply\"");
-    if (place.line == 1 || t.empty() || t[0] == "comment" || t[0] == "obj_info") continue;
-    if (t[0] == "end_header") {
-      if (!format) malformed(place, "the header has no format line");
-      header.lines = reader.number();
-      header.bytes = reader.offset();
-      return header;
-    }
-    if (t[0] == "format" && t.size() == 3) {
-      if (t[2] != "1.0") malformed(place, "PLY version " + inQuotes(t[2]) + "; 1.0 is read");
-      format = true;
-      if (t[1] == "ascii")
-        header.encoding = Encoding::Ascii;
-      else if (t[1] == "binary_little_endian")
-        header.encoding = Encoding::Little;
-      else if (t[1] == "binary_big_endian")
-        header.encoding = Encoding::Big;
-      else
-        malformed(place, "format " + inQuotes(t[1]) + " is not known");
-    } else if (t[0] == "element" && t.size() == 3) {
-      header.elements.push_back(
-          {std::string(t[1]), parseCount(t[2], UINT32_MAX, "the number of elements", place), place.line, {}});
-    } else if (t[0] == "property" && !header.elements.empty() &&
-               (t.size() == 3 || (t.size() == 5 && t[1] == "list"))) {
-      const bool list = t.size() == 5;
-      const std::optional<Kind> kind = kindOf(t[list ? 3 : 1]),
-                                countKind = list ? kindOf(t[2]) : std::nullopt;
-      if (!kind || (list && (!countKind || *countKind >= Kind::F32)))
-        malformed(place, "property type in " + inQuotes(line) + " is not known");
-      header.elements.back().properties.push_back({std::string(t.back()), *kind, countKind});
-    } else {
-      malformed(place, inQuotes(line) + " is not understood in a PLY header");
-    }
-  }
-  malformed(place, "the header has no end_header");
 }
 
 /// Values one after the other from the body, in the encoding of the file.
@@ -227,7 +139,7 @@ private:
 class PlyReader {
 public:
   PlyReader(std::string_view bytes, std::string_view name)
-      : header_(readHeader(bytes, name)), body_(bytes, header_, name), name_(name) {}
+      : header_(ply::readHeader(bytes, name)), body_(bytes, header_, name), name_(name) {}
 
   TriangleMesh run() {
     const Element* vertices = nullptr;

@@ -1,86 +1,14 @@
-#include "preprocess/solids.h"
-
-#include "tests/preprocess/surface_check.h"
+#include "tests/preprocess/mesh_makers.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <random>
 
 namespace chamfer {
 namespace {
 
-using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
-
-using Corners = std::array<std::uint32_t, 3>;
-
-void appendTriangle(TriangleMesh& mesh, const Corners& corners) {
-  mesh.faceOfTriangle.push_back(std::uint32_t(mesh.triangles.size()));
-  mesh.triangles.push_back(corners);
-}
-
-/// Twelve triangles over eight new vertices, facing outwards or inwards.
-void appendBox(TriangleMesh& mesh, const Point3& lower, const Point3& upper, bool inwards = false) {
-  const auto base = std::uint32_t(mesh.positions.size());
-  for (int i = 0; i < 8; ++i)
-    mesh.positions.push_back(
-        {i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y, i & 4 ? upper.z : lower.z});
-  constexpr std::uint32_t kSides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                                          {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-  for (const auto& s : kSides)
-    for (const auto& [b, c] : {std::pair{1, 2}, std::pair{2, 3}}) {
-      const std::uint32_t v1 = base + s[b], v2 = base + s[c];
-      appendTriangle(mesh, inwards ? Corners{base + s[0], v2, v1} : Corners{base + s[0], v1, v2});
-    }
-}
-
-TriangleMesh box(bool inwards = false) {
-  TriangleMesh mesh;
-  appendBox(mesh, {0, 0, 0}, {1, 1, 1}, inwards);
-  return mesh;
-}
-
-/// Three vertices of its own for every triangle; `noise` moves each coordinate by at most that much.
-TriangleMesh unwelded(const TriangleMesh& mesh, bool soup, double noise = 0) {
-  std::mt19937 random(7);
-  const auto jitter = [&] { return noise * (2 * double(random()) / double(std::mt19937::max()) - 1); };
-  TriangleMesh out;
-  out.soup = soup;
-  for (const Corners& t : mesh.triangles) {
-    const auto base = std::uint32_t(out.positions.size());
-    for (const std::uint32_t v : t) {
-      const Point3& p = mesh.positions[v];
-      out.positions.push_back({p.x + jitter(), p.y + jitter(), p.z + jitter()});
-    }
-    appendTriangle(out, {base, base + 1, base + 2});
-  }
-  return out;
-}
-
-Components split(const TriangleMesh& mesh) { return splitComponents(mesh, {}); }
-
-void expectSound(const Components& components, const TriangleMesh& mesh, std::size_t count) {
-  EXPECT_EQ(components.list.size(), count);
-  for (const Component& c : components.list) {
-    EXPECT_FALSE(c.fault) << c.fault->message;
-    EXPECT_EQ(surfaceDefect(c, mesh), "");
-  }
-  EXPECT_EQ(partitionDefect(components, mesh), "");
-}
-
-/// The fault that `mesh`'s only component must have.
-Fault faultOf(const TriangleMesh& mesh) {
-  const Components components = split(mesh);
-  EXPECT_THAT(components.list, SizeIs(1));
-  if (components.list.empty() || !components.list[0].fault) {
-    ADD_FAILURE() << "no fault";
-    return {FaultKind::Concave, "", 0, {}, 0};
-  }
-  return *components.list[0].fault;
-}
 
 TEST(Solids, ClosedByIndexStaysAsItIs) {
   const TriangleMesh mesh = box();
@@ -212,20 +140,6 @@ TEST(Solids, TouchingSolidsWithoutSharedTrianglesComeApart) {
   expectSound(split(soup), soup, kWedges);
 }
 
-TEST(Solids, WhatTheFileSharesIsAFaultOutsideSoups) {
-  TriangleMesh mesh;
-  appendBox(mesh, {0, 0, 0}, {1, 1, 1});
-  appendBox(mesh, {1, 1, 0}, {2, 2, 1});
-  for (Corners& t : mesh.triangles)
-    for (std::uint32_t& v : t)
-      v = v == 8 ? 3 : v == 12 ? 7 : v; // the common edge's vertices
-  const Fault fault = faultOf(mesh);
-  EXPECT_EQ(fault.kind, FaultKind::NonManifold);
-  EXPECT_EQ(fault.measure, 1);
-  EXPECT_EQ(fault.place, Point3(1, 1, 0.5));
-  EXPECT_THAT(fault.message, AllOf(HasSubstr("1 edge "), HasSubstr("4 at the first")));
-}
-
 TEST(Solids, SheetsThatShareOneVertexComeApart) {
   TriangleMesh mesh;
   appendBox(mesh, {0, 0, 0}, {1, 1, 1});
@@ -300,118 +214,6 @@ TEST(Solids, PolygonsWithCornersOnTheirEdgesKeepTheirDiagonals) {
       mesh.faceOfTriangle.push_back(f);
     }
   expectSound(split(mesh), mesh, 1);
-}
-
-TEST(Solids, OpenSurfacesNameTheirEdges) {
-  TriangleMesh mesh = box();
-  mesh.triangles.pop_back();
-  mesh.lineOfFace.assign(12, 0);
-  for (std::uint32_t f = 0; f < 12; ++f)
-    mesh.lineOfFace[f] = 100 + f;
-  const Fault fault = faultOf(mesh);
-  EXPECT_EQ(fault.kind, FaultKind::Open);
-  EXPECT_EQ(fault.measure, 3);
-  EXPECT_LT(fault.triangle, 11u);
-  EXPECT_THAT(fault.message, AllOf(HasSubstr("3 edges"), HasSubstr("line 10"), HasSubstr("--weld")));
-}
-
-TEST(Solids, AnInnerWallIsNonManifold) {
-  TriangleMesh mesh = box();
-  appendTriangle(mesh, {0, 3, 7}); // through the box, along one diagonal of a face and two edges of others
-  appendTriangle(mesh, {0, 7, 4});
-  const Fault fault = faultOf(mesh);
-  EXPECT_EQ(fault.kind, FaultKind::NonManifold);
-  EXPECT_THAT(fault.message, HasSubstr("more than two triangles"));
-}
-
-TEST(Solids, TooFewTrianglesAreNoSolid) {
-  TriangleMesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  appendTriangle(mesh, {0, 1, 2});
-  EXPECT_EQ(faultOf(mesh).kind, FaultKind::TooFew);
-  appendTriangle(mesh, {0, 2, 1});
-  EXPECT_EQ(faultOf(mesh).kind, FaultKind::TooFew);
-  EXPECT_EQ(faultOf(mesh).measure, 2);
-}
-
-TEST(Solids, FlatIsMeasuredAgainstThePlanarityTolerance) {
-  const auto plate = [](double thickness) {
-    TriangleMesh mesh;
-    appendBox(mesh, {0, 0, 0}, {1, 1, thickness});
-    return mesh;
-  };
-  EXPECT_EQ(faultOf(plate(0)).kind, FaultKind::Flat);
-  const Fault fault = faultOf(plate(1e-7));
-  EXPECT_EQ(fault.kind, FaultKind::Flat);
-  EXPECT_NEAR(fault.measure, 1e-7 / std::sqrt(2), 1e-12);
-  expectSound(split(plate(1e-4)), plate(1e-4), 1);
-}
-
-TEST(Solids, HandlesAreCounted) {
-  // A frame: a box with a square hole, as a ring of four corners with rectangular section.
-  TriangleMesh mesh;
-  for (int i = 0; i < 4; ++i)
-    for (const double r : {1.0, 2.0})
-      for (const double z : {0.0, 1.0})
-        mesh.positions.push_back({(i == 0 || i == 3) ? r : -r, i < 2 ? r : -r, z});
-  const auto at = [](int corner, int k) { return std::uint32_t(4 * (corner % 4) + k); };
-  constexpr int kSection[4] = {0, 1, 3, 2}; // around the rectangle
-  for (int i = 0; i < 4; ++i)
-    for (int k = 0; k < 4; ++k) {
-      const int p = kSection[k], q = kSection[(k + 1) % 4];
-      appendTriangle(mesh, {at(i, p), at(i + 1, p), at(i + 1, q)});
-      appendTriangle(mesh, {at(i, p), at(i + 1, q), at(i, q)});
-    }
-  const Fault fault = faultOf(mesh);
-  EXPECT_EQ(fault.kind, FaultKind::Genus);
-  EXPECT_EQ(fault.measure, 1);
-  EXPECT_EQ(faultOf(unwelded(mesh, true)).kind, FaultKind::Genus);
-}
-
-TEST(Solids, OneSidedSurfacesAreRefused) {
-  // The projective plane over six vertices: closed, two triangles at each edge, no inside.
-  TriangleMesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0.3}, {0.3, 1, 1}};
-  for (const Corners& t :
-       {Corners{0, 1, 2}, Corners{0, 2, 3}, Corners{0, 3, 4}, Corners{0, 4, 5}, Corners{0, 5, 1},
-        Corners{1, 2, 4}, Corners{2, 3, 5}, Corners{3, 4, 1}, Corners{4, 5, 2}, Corners{5, 1, 3}})
-    appendTriangle(mesh, t);
-  EXPECT_EQ(faultOf(mesh).kind, FaultKind::Misoriented);
-}
-
-TEST(Solids, ScalesThatSinglePrecisionCannotSquareAreRefused) {
-  for (const double size : {1e-30, 1e150}) {
-    TriangleMesh mesh = box();
-    for (Point3& p : mesh.positions)
-      p = {p.x * size, p.y * size, p.z * size};
-    EXPECT_EQ(faultOf(mesh).kind, FaultKind::NotFinite) << size;
-  }
-}
-
-TEST(Solids, CavitiesAreFaultsAndNestedSolidsAreNot) {
-  const auto nested = [](bool outerInwards, bool innerInwards, const Point3& innerLower = {1, 1, 1}) {
-    TriangleMesh mesh;
-    appendBox(mesh, innerLower, innerLower + Vector3(1, 1, 1), innerInwards);
-    appendBox(mesh, {0, 0, 0}, {3, 3, 3}, outerInwards);
-    return mesh;
-  };
-  const Components cavity = split(nested(false, true));
-  ASSERT_TRUE(cavity.list[0].fault);
-  EXPECT_EQ(cavity.list[0].fault->kind, FaultKind::InsideOut);
-  EXPECT_THAT(cavity.list[0].fault->message, HasSubstr("component 2"));
-  EXPECT_FALSE(cavity.list[1].fault);
-  for (const auto& mesh :
-       {nested(false, false), nested(true, true), nested(true, false), nested(false, true, {4, 1, 1})})
-    expectSound(split(mesh), mesh, 2);
-}
-
-TEST(Solids, InTheBoxOfAnotherSolidIsNotInsideIt) {
-  TriangleMesh mesh;
-  mesh.positions = {{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, {0, 0, 9}};
-  for (const Corners& t : {Corners{0, 2, 1}, Corners{0, 1, 3}, Corners{0, 3, 2}, Corners{1, 2, 3}})
-    appendTriangle(mesh, t);
-  appendBox(mesh, {6, 6, 6}, {7, 7, 7}, true);
-  expectSound(split(mesh), mesh, 2);
 }
 
 TEST(Solids, ComponentsAreInTheFilesOrderWithAnyNumberOfThreads) {
