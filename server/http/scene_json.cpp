@@ -4,6 +4,7 @@
 #include "server/render/scene_data.h"
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 namespace chamfer::http {
@@ -15,8 +16,21 @@ template <class Triple>
 Json triple(const Triple& t) {
   return Json::array({t.x, t.y, t.z});
 }
-Json triple(const Color& c) { return Json::array({c.r, c.g, c.b}); }
+
+/// A float as the shortest number that reads back as it: 0.1, not 0.10000000149011612.
+double plain(float value) {
+  char text[32];
+  double number = 0;
+  std::from_chars(text, std::to_chars(text, text + sizeof text, value).ptr, number);
+  return number;
+}
+Json triple(const Color& c) { return Json::array({plain(c.r), plain(c.g), plain(c.b)}); }
 Json knownLength(double length) { return length > 0 ? Json(length) : Json(); }
+/// Radii in use come from float32 storage, largest ones from double arithmetic.
+Json radiusJson(double current, double max) {
+  return {{"current", current > 0 ? Json(plain(static_cast<float>(current))) : Json()},
+          {"max", knownLength(max)}};
+}
 
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -33,7 +47,7 @@ Json meshJson(const SceneMesh& mesh) {
       {"name", mesh.name}, {"triangles", mesh.mesh->triangles.size()}, {"rounded", mesh.rounding != nullptr}};
   json["solids"] = mesh.rounding ? Json(mesh.rounding->view().solidCount()) : Json();
   json["rounded_edges"] = mesh.rounding ? roundedEdges(*mesh.rounding) : 0;
-  json["radius"] = {{"current", knownLength(mesh.radius)}, {"max", knownLength(mesh.maxRadius)}};
+  json["radius"] = radiusJson(mesh.radius, mesh.maxRadius);
   json["rounding_bytes"] = mesh.rounding ? mesh.rounding->bytes() : 0;
   return json;
 }
@@ -41,10 +55,10 @@ Json meshJson(const SceneMesh& mesh) {
 Json materialJson(const Material& material) {
   return {{"name", material.name},
           {"base_color", triple(material.baseColor)},
-          {"roughness", material.roughness},
-          {"metallic", material.metallic},
-          {"transmission", material.transmission},
-          {"ior", material.ior},
+          {"roughness", plain(material.roughness)},
+          {"metallic", plain(material.metallic)},
+          {"transmission", plain(material.transmission)},
+          {"ior", plain(material.ior)},
           {"emission", triple(material.emission)}};
 }
 
@@ -63,7 +77,7 @@ Json summary(const CatalogueEntry& entry, const std::string& root) {
   if (!scene->bounds.empty())
     json["bounds"] = {{"min", triple(scene->bounds.lower)}, {"max", triple(scene->bounds.upper)}};
   const RadiusRange radius = radiusRange(*scene);
-  json["radius"] = {{"current", knownLength(radius.current)}, {"max", knownLength(radius.max)}};
+  json["radius"] = radiusJson(radius.current, radius.max);
   for (const std::string& warning : scene->warnings)
     json["warnings"].push_back(withoutRoot(warning, root));
   return json;

@@ -1,0 +1,168 @@
+#include "server/http/catalogue.h"
+
+#include "server/http/log.h"
+#include "tests/http/scene_folder.h"
+
+#include <filesystem>
+#include <fstream>
+#include <gmock/gmock.h>
+
+namespace chamfer::http {
+namespace {
+
+using test::SceneFolder;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> namesOf(const ScanResult& scan) {
+  std::vector<std::string> names;
+  for (const FoundScene& scene : scan.scenes)
+    names.push_back(scene.name);
+  return names;
+}
+
+void waitUntil(const std::function<bool()>& condition) {
+  for (int i = 0; i < 1000 && !condition(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(condition());
+}
+
+/// Loads everything below `folder` once.
+std::unique_ptr<Catalogue> loaded(const SceneFolder& folder, int rescanMilliseconds = 0) {
+  startLog("off");
+  auto catalogue = std::make_unique<Catalogue>(folder.path(), std::chrono::milliseconds(rescanMilliseconds));
+  catalogue->start();
+  waitUntil([&] { return catalogue->loaded(); });
+  return catalogue;
+}
+
+constexpr const char* kScene = R"({"meshes":[{"name":"m","file":"cube.obj"}],"instances":[{"mesh":"m"}]})";
+
+TEST(CatalogueScan, NamesArePathsWithoutExtensions) {
+  const SceneFolder folder;
+  folder.write("b.OBJ", "");
+  folder.write("b.OBJ.chamfer", "");
+  folder.write("deep/er/c.stl", "");
+  folder.write("deep/er/c.stl.chamfer", "");
+  folder.write("deep/d.scene.json", "{}");
+  folder.write("bare.obj", "");
+  folder.write("notes.txt", "");
+  folder.write("notes.txt.chamfer", "");
+  folder.write(".hidden/e.scene.json", "{}");
+  EXPECT_THAT(namesOf(scanRoot(folder.path())), ElementsAre("b", "deep/d", "deep/er/c"));
+}
+
+TEST(CatalogueScan, SceneFileWinsAndTheRestIsSaid) {
+  const SceneFolder folder;
+  for (const char* name :
+       {"cube.obj", "cube.obj.chamfer", "two.obj", "two.obj.chamfer", "two.ply", "two.ply.chamfer"})
+    folder.write(name, "");
+  folder.write("cube.scene.json", "{}");
+  const ScanResult scan = scanRoot(folder.path());
+  EXPECT_THAT(namesOf(scan), ElementsAre("cube", "two", "two.ply"));
+  EXPECT_EQ(scan.scenes[0].file.filename(), "cube.scene.json");
+  EXPECT_EQ(scan.scenes[1].file.filename(), "two.obj");
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("cube.obj"), HasSubstr("two.ply")));
+}
+
+TEST(CatalogueScan, LinksDoNotLeadOut) {
+  const SceneFolder outside, folder;
+  outside.addCube("secret.obj");
+  folder.addCube("real.obj");
+  fs::create_symlink(outside.path() / "secret.obj", folder.path() / "link.obj");
+  fs::create_symlink(outside.path() / "secret.obj.chamfer", folder.path() / "link.obj.chamfer");
+  fs::create_directory_symlink(outside.path(), folder.path() / "folder");
+  fs::create_symlink("real.obj", folder.path() / "inner.obj");
+  fs::create_symlink("real.obj.chamfer", folder.path() / "inner.obj.chamfer");
+  folder.write("half.obj", test::cubeObj());
+  fs::create_symlink(outside.path() / "secret.obj.chamfer", folder.path() / "half.obj.chamfer");
+  const ScanResult scan = scanRoot(folder.path());
+  EXPECT_THAT(namesOf(scan), ElementsAre("inner", "real"));
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("half.obj.chamfer"), HasSubstr("link.obj")));
+}
+
+TEST(Catalogue, RootMustBeAFolder) {
+  const SceneFolder folder;
+  const auto file = folder.write("x", "");
+  for (const fs::path& root : {file, folder.path() / "none"})
+    EXPECT_THROW(Catalogue(root, std::chrono::milliseconds(0)), Error);
+}
+
+TEST(Catalogue, FindsByNameAndId) {
+  const SceneFolder folder;
+  folder.addCube("cube.obj");
+  folder.addCube("sub/other.obj", 0.2);
+  const auto catalogue = loaded(folder);
+  ASSERT_EQ(catalogue->list().size(), 2u);
+  const auto cube = catalogue->find("cube"), other = catalogue->find("sub/other");
+  ASSERT_TRUE(cube && cube->scene && other && other->scene);
+  EXPECT_EQ(cube->state, SceneState::Ready);
+  EXPECT_EQ(cube->scene->roundedEdges, 12u);
+  EXPECT_EQ(catalogue->find(cube->scene->id.hex()), cube);
+  EXPECT_NE(cube->scene->id, other->scene->id);
+  EXPECT_EQ(catalogue->find("cub"), nullptr);
+  EXPECT_EQ(catalogue->find("../cube"), nullptr);
+}
+
+TEST(Catalogue, NamesTheFaultOfEachBrokenScene) {
+  const SceneFolder folder;
+  folder.addCube("good.obj");
+  folder.addCube("stale.obj");
+  folder.write("stale.obj", test::cubeObj(0.75));
+  folder.addCube("cut.obj");
+  fs::resize_file(folder.path() / "cut.obj.chamfer", 100);
+  folder.addCube("flipped.obj");
+  {
+    std::fstream file(folder.path() / "flipped.obj.chamfer", std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(-5, std::ios::end);
+    const int byte = file.peek();
+    file.put(static_cast<char>(byte ^ 4));
+  }
+  folder.addCube("broken.obj");
+  folder.write("broken.obj", "v 0 0 nan\n");
+  folder.write("wrong.scene.json", R"({"meshes":[],"instances":[{"mesh":"none"}]})");
+  const auto catalogue = loaded(folder);
+
+  EXPECT_EQ(catalogue->find("good")->state, SceneState::Ready);
+  EXPECT_EQ(catalogue->find("stale")->state, SceneState::Stale);
+  EXPECT_EQ(catalogue->find("cut")->state, SceneState::Damaged);
+  EXPECT_EQ(catalogue->find("flipped")->state, SceneState::Damaged);
+  EXPECT_EQ(catalogue->find("broken")->state, SceneState::Failed);
+  EXPECT_EQ(catalogue->find("broken")->fault, ErrorKind::Malformed);
+  EXPECT_EQ(catalogue->find("wrong")->state, SceneState::Failed);
+  for (const auto& entry : catalogue->list()) {
+    if (entry->state == SceneState::Ready) continue;
+    EXPECT_EQ(entry->scene, nullptr) << entry->name;
+    EXPECT_FALSE(entry->error.empty()) << entry->name;
+    EXPECT_EQ(entry->error.find(folder.path().string()), std::string::npos) << entry->error;
+  }
+}
+
+TEST(Catalogue, LoadsAgainWhatHasChanged) {
+  const SceneFolder folder;
+  folder.addCube("cube.obj");
+  folder.write("both.scene.json", kScene);
+  const auto catalogue = loaded(folder, 20);
+  const auto before = catalogue->find("cube"), scene = catalogue->find("both");
+  ASSERT_TRUE(before->scene && scene->scene) << scene->error;
+
+  folder.addCube("cube.obj", 0.2);
+  waitUntil([&] {
+    const auto now = catalogue->find("cube"), now2 = catalogue->find("both");
+    return now->state == SceneState::Ready && now->scene->id != before->scene->id &&
+           now2->state == SceneState::Ready && now2->scene->id != scene->scene->id;
+  });
+  EXPECT_EQ(catalogue->find(before->scene->id.hex()), nullptr) << "the old id has no files any more";
+
+  fs::remove(folder.path() / "cube.obj.chamfer");
+  folder.addCube("new.obj");
+  waitUntil([&] {
+    const auto entry = catalogue->find("new");
+    return !catalogue->find("cube") && entry && entry->state == SceneState::Ready;
+  });
+}
+
+} // namespace
+} // namespace chamfer::http

@@ -1,0 +1,124 @@
+#include "server/http/render_queue.h"
+
+#include "tests/http/expect_problem.h"
+
+#include <atomic>
+#include <optional>
+#include <thread>
+#include <vector>
+
+namespace chamfer::http {
+namespace {
+
+using std::chrono::milliseconds;
+
+const auto kNever = [] { return false; };
+
+void waitFor(const std::function<bool()>& condition) {
+  for (int i = 0; i < 2000 && !condition(); ++i)
+    std::this_thread::sleep_for(milliseconds(1));
+  ASSERT_TRUE(condition());
+}
+
+TEST(RenderQueue, GivesEverySlotThenRefuses) {
+  RenderQueue queue(2, 0);
+  const auto first = queue.acquire("a", kNever);
+  {
+    const auto second = queue.acquire("a", kNever);
+    EXPECT_EQ(queue.state().running, 2u);
+    const Problem problem = test::problemFrom([&] { queue.acquire("b", kNever); }, 503);
+    EXPECT_GE(problem.retryAfterSeconds, 1);
+  }
+  EXPECT_EQ(queue.state().running, 1u);
+  EXPECT_NO_THROW(queue.acquire("b", kNever));
+}
+
+TEST(RenderQueue, WaiterIsServedWhenASlotIsFreed) {
+  RenderQueue queue(1, 1);
+  std::optional<RenderQueue::Slot> held(queue.acquire("a", kNever));
+  std::atomic<bool> served = false;
+  std::jthread waiter([&] {
+    const auto slot = queue.acquire("b", kNever);
+    served = true;
+  });
+  waitFor([&] { return queue.state().waiting == 1; });
+  EXPECT_FALSE(served);
+  test::problemFrom([&] { queue.acquire("c", kNever); }, 503); // the only place is taken
+  held.reset();
+  waitFor([&] { return served.load(); });
+}
+
+TEST(RenderQueue, WaiterLeavesWhenCancelled) {
+  RenderQueue queue(1, 4);
+  const auto held = queue.acquire("a", kNever);
+  std::atomic<bool> cancelled = false;
+  std::atomic<bool> left = false;
+  std::jthread waiter([&] {
+    try {
+      queue.acquire("b", [&] { return cancelled.load(); });
+    } catch (const Error& error) {
+      left = error.kind() == ErrorKind::Cancelled;
+    }
+  });
+  waitFor([&] { return queue.state().waiting == 1; });
+  cancelled = true;
+  waitFor([&] { return left.load(); });
+  EXPECT_EQ(queue.state().waiting, 0u);
+}
+
+TEST(RenderQueue, FreedSlotGoesToTheClientThatHoldsFewest) {
+  RenderQueue queue(2, 8);
+  std::optional<RenderQueue::Slot> one(queue.acquire("greedy", kNever)), two(queue.acquire("greedy", kNever));
+  std::mutex mutex;
+  std::vector<std::string> order;
+  std::vector<std::jthread> waiters;
+  const auto wait = [&](const std::string& client) {
+    const unsigned before = queue.state().waiting;
+    waiters.emplace_back([&, client] {
+      const auto slot = queue.acquire(client, kNever);
+      const std::lock_guard lock(mutex);
+      order.push_back(client);
+    });
+    waitFor([&] { return queue.state().waiting == before + 1; });
+  };
+  wait("greedy");
+  wait("greedy");
+  wait("modest");
+  one.reset(); // greedy still holds one
+  waitFor([&] {
+    const std::lock_guard lock(mutex);
+    return !order.empty();
+  });
+  {
+    const std::lock_guard lock(mutex);
+    EXPECT_EQ(order.front(), "modest");
+  }
+  two.reset();
+  waiters.clear();
+  EXPECT_EQ(order.size(), 3u);
+}
+
+TEST(RenderQueue, NeverRunsMoreThanItsSlots) {
+  RenderQueue queue(3, 64);
+  std::atomic<int> running = 0, most = 0;
+  {
+    std::vector<std::jthread> clients;
+    for (int c = 0; c < 12; ++c)
+      clients.emplace_back([&, c] {
+        for (int i = 0; i < 50; ++i) {
+          const auto slot = queue.acquire(std::to_string(c % 4), kNever);
+          const int now = ++running;
+          for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) {
+          }
+          std::this_thread::yield();
+          --running;
+        }
+      });
+  }
+  EXPECT_LE(most, 3);
+  EXPECT_EQ(queue.state().running, 0u);
+  EXPECT_EQ(queue.state().waiting, 0u);
+}
+
+} // namespace
+} // namespace chamfer::http
