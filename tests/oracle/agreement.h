@@ -24,10 +24,10 @@ struct Tolerances {
   double position = 1e-5;     ///< across R's surface
   double seam = 1e-5;         ///< features are not judged this near to a border, plus what noise moves it
   double normalDegrees = 0.1; ///< against R's normal at the answer's own point, plus what noise turns it
-  /// E's vertices as float32 with nearly equal ones merged: how far they may be off. On a rounding this turns
-  /// normals by noise / r; where a cylinder or sphere stands out by it over its neighbour, by sqrt(2 noise /
-  /// r) at the seam.
-  double noise = 1e-7;
+  /// How far E's vertices and flats may be off in the program's storage. On a rounding this turns normals by
+  /// noise / r; where a cylinder or sphere stands out by it over its neighbour, by sqrt(2 noise / r) at the
+  /// seam.
+  double noise = 1e-8;
   unsigned threads = 0; ///< 0: all
 };
 

@@ -92,7 +92,7 @@ ConvexSolid solidFromPlanes(std::string name, std::span<const Plane> planes, Rea
   return solid;
 }
 
-ConvexSolid solidFromPoints(std::string name, std::span<const Eigen::Vector3d> points, Real weld) {
+ConvexSolid solidFromPoints(std::string name, std::span<const Eigen::Vector3d> points) {
   // Duality: with the origin inside, the hull's facets are the vertices of {x : p.x <= 1 for every point p}.
   // It is well conditioned for points that are round about the origin, and hulls go with affine maps.
   const std::vector<Vec3> round = whitened(points);
@@ -102,7 +102,7 @@ ConvexSolid solidFromPoints(std::string name, std::span<const Eigen::Vector3d> p
     // A point at the origin itself bounds nothing: its plane is moved out of reach.
     planes.push_back(length > 0 ? Plane{p / length, 1 / length} : Plane{Vec3::UnitX(), kReach * 1e9L});
   }
-  const Polytope dual = intersectHalfSpaces(planes, kReach, weld / kReach);
+  const Polytope dual = intersectHalfSpaces(planes, kReach, kWeld / kReach);
 
   ConvexSolid solid{std::move(name), {}, std::vector<std::vector<std::uint32_t>>(dual.vertices.size())};
   std::vector<Vec3> corners;

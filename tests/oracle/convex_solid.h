@@ -24,10 +24,9 @@ struct ConvexSolid {
 /// The polyhedron that `planes` bound around the origin. Facets keep the planes' order; planes that bound
 /// nothing are left out. `reach` bounds its distance from the origin.
 ConvexSolid solidFromPlanes(std::string name, std::span<const Plane> planes, Real reach);
-/// The convex hull of `points`, which must not be flat. Points of one plane share a facet; planes count as
-/// one when they differ by less than `weld` (relative, in coordinates in which the points are as wide as
-/// long). Points are kept bit for bit; those inside are left out.
-ConvexSolid solidFromPoints(std::string name, std::span<const Eigen::Vector3d> points, Real weld = 1e-13L);
+/// The convex hull of `points`, which must not be flat. Coplanar points share a facet. Points are kept bit
+/// for bit; those inside are left out.
+ConvexSolid solidFromPoints(std::string name, std::span<const Eigen::Vector3d> points);
 
 /// x -> linear * x + offset.
 struct Affine {

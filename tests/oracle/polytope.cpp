@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -104,8 +103,8 @@ std::vector<std::uint32_t> clusters(const std::vector<Vec3>& points, Real distan
   return parent;
 }
 
-/// The polygons as loops over shared vertices, or nothing when their surface does not close.
-std::optional<Polytope> assemble(const std::vector<Polygon>& polygons, Real distance) {
+/// The polygons as loops over shared vertices.
+Polytope assemble(const std::vector<Polygon>& polygons, Real distance) {
   std::vector<Vec3> points;
   for (const Polygon& polygon : polygons)
     for (const Corner& corner : polygon)
@@ -114,37 +113,51 @@ std::optional<Polytope> assemble(const std::vector<Polygon>& polygons, Real dist
 
   Polytope result;
   std::vector<std::uint32_t> compact(points.size(), kFrame);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> sides;
-  std::size_t next = 0;
-  std::size_t faceCount = 0;
+  const auto vertex = [&](std::uint32_t id) {
+    if (compact[id] == kFrame) {
+      compact[id] = std::uint32_t(result.vertices.size());
+      result.vertices.push_back(points[id]);
+    }
+    return compact[id];
+  };
+  struct Side {
+    std::uint32_t face, beyond; // the polygon's own plane, and the one that cut it here
+  };
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Side> sides;
+  std::size_t next = 0, faceCount = 0;
+  bool simple = true;
   for (const Polygon& polygon : polygons) {
-    std::vector<std::uint32_t> loop;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
+    std::vector<std::uint32_t> loop, beyond;
+    for (const Corner& corner : polygon) {
       const std::uint32_t id = cluster[next++];
-      if (loop.empty() || loop.back() != id) loop.push_back(id);
+      if (!loop.empty() && loop.back() == id) {
+        beyond.back() = corner.edge;
+        continue;
+      }
+      loop.push_back(id);
+      beyond.push_back(corner.edge);
     }
     while (loop.size() > 1 && loop.front() == loop.back())
       loop.pop_back();
     if (loop.size() < 3) loop.clear();
-    for (std::uint32_t& id : loop) {
-      if (compact[id] == kFrame) {
-        compact[id] = std::uint32_t(result.vertices.size());
-        result.vertices.push_back(points[id]);
-      }
-      id = compact[id];
-    }
     const auto face = std::uint32_t(result.faces.size());
+    for (std::uint32_t& id : loop)
+      id = vertex(id);
     for (std::size_t i = 0; i < loop.size(); ++i)
-      if (!sides.emplace(std::pair(loop[i], loop[(i + 1) % loop.size()]), face).second) return {};
+      simple &= sides.emplace(std::pair(loop[i], loop[(i + 1) % loop.size()]), Side{face, beyond[i]}).second;
     faceCount += !loop.empty();
     result.faces.push_back(std::move(loop));
   }
-  for (const auto& [side, face] : sides) {
-    const auto twin = sides.find({side.second, side.first});
-    if (twin == sides.end() || twin->second == face) return {};
-    if (side.first < side.second) result.edges.push_back({side.first, side.second, face, twin->second});
+  for (const auto& [ends, side] : sides) {
+    const auto twin = sides.find({ends.second, ends.first});
+    const bool paired = twin != sides.end() && twin->second.face != side.face;
+    simple &= paired;
+    if (!paired)
+      result.edges.push_back({ends.first, ends.second, side.face, side.beyond});
+    else if (ends.first < ends.second)
+      result.edges.push_back({ends.first, ends.second, side.face, twin->second.face});
   }
-  if (result.vertices.size() + faceCount != result.edges.size() + 2) return {};
+  result.closed = simple && result.vertices.size() + faceCount == result.edges.size() + 2;
   return result;
 }
 
@@ -169,9 +182,12 @@ Polytope intersectHalfSpaces(std::span<const Plane> planes, Real reach, Real wel
   Real from = reach;
   while (!cut(from))
     if ((from *= 10) > 1e4L * reach) throw std::runtime_error("half-spaces: the intersection is unbounded");
-  for (Real tolerance = weld; tolerance < 1e-8L; tolerance *= 10)
-    if (auto polytope = assemble(polygons, tolerance * reach)) return *std::move(polytope);
-  throw std::runtime_error("half-spaces: the surface of the intersection does not close");
+  Polytope polytope = assemble(polygons, weld * reach);
+  for (Real tolerance = weld; !polytope.closed && tolerance < 1e-8L;) {
+    Polytope coarser = assemble(polygons, (tolerance *= 10) * reach);
+    if (coarser.closed) polytope = std::move(coarser);
+  }
+  return polytope;
 }
 
 Vec3 loopNormal(std::span<const Vec3> loop) {

@@ -30,12 +30,15 @@ struct Polytope {
   /// One loop a plane, counter-clockwise seen from outside; empty where the plane bounds no area.
   std::vector<std::vector<std::uint32_t>> faces;
   std::vector<PolytopeEdge> edges; ///< each once
+  /// Every edge has the two faces that it names, and Euler's formula holds. Where planes are almost the same,
+  /// rounding noise can leave a surface open: its vertices, edges and faces are all there, some edges twice.
+  bool closed = false;
 };
 
 /// The bounded polyhedron common to all `planes`, which must be distinct. `reach` is about its largest
 /// distance from the origin (up to 1e4 times as much is tried); vertices nearer to each other than `weld *
-/// reach` become one (more where rounding noise asks for it). Throws std::runtime_error when the intersection
-/// is empty or unbounded, or when its surface does not close.
+/// reach` become one (up to 1e-8, if that closes the surface). Throws std::runtime_error when the
+/// intersection is empty or unbounded.
 Polytope intersectHalfSpaces(std::span<const Plane> planes, Real reach, Real weld);
 
 /// Newell's area-weighted normal of a loop, not of unit length.

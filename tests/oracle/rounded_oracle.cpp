@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
 namespace chamfer::oracle {
 namespace {
@@ -135,6 +136,8 @@ Real RoundedOracle::flatMargin(std::uint32_t facet, const Vec3& point) const {
 }
 
 Measures RoundedOracle::coreMeasures() const {
+  if (!core_.closed)
+    throw std::runtime_error("oracle: the core's surface is not closed, so it has no measures");
   Measures m{0, 0, 0};
   std::vector<Vec3> loop;
   for (std::size_t f = 0; f < planes_.size(); ++f) {

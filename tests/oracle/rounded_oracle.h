@@ -77,6 +77,7 @@ public:
   /// where the flat has vanished.
   Real flatMargin(std::uint32_t facet, const Vec3& point) const;
 
+  /// Throws std::runtime_error where core().closed is false.
   Measures coreMeasures() const;
   Real volume() const; ///< of R, by Steiner's formula
   Real area() const;

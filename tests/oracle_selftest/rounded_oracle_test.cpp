@@ -152,6 +152,7 @@ TEST_P(RoundedOracleFamilies, EndsLieOnTheSurfaceAndFeaturesFit) {
   for (const ConvexSolid& solid : solids) {
     const double r = GetParam() * double(inball(solid).radius);
     const RoundedOracle oracle(solid, r);
+    EXPECT_TRUE(oracle.core().closed) << solid.name;
     RaySampler sampler(solid, oracle, 6);
     const Real tiny = 1e-15L * oracle.diagonal();
     for (const Ray& ray : sampler.mixed(rayBudget(120))) {

@@ -228,7 +228,7 @@ TEST(DetectionAgreement, ZoneIsWhatTheFlatsLeave) {
       for (std::uint32_t f = 0; f < solid.faces.size(); ++f) {
         // The direction of a short edge of E is known to its ends' rounding over its length, and its
         // detection cylinder is endless: it may catch flat points, which costs a search but is not wrong.
-        const double blur = 1e-7 * c.truth->diagonal() / shortestEdge(c.truth->core(), f);
+        const double blur = 1e-10 * c.truth->diagonal() / shortestEdge(c.truth->core(), f);
         for (std::size_t i = 0; i < each; ++i) {
           const Eigen::Vector3d p = sampler.onFacet(f);
           const double margin = double(c.truth->flatMargin(f, p.cast<oracle::Real>())) / c.truth->diagonal();

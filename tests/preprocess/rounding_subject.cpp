@@ -1,5 +1,7 @@
 #include "tests/preprocess/rounding_subject.h"
 
+#include <Eigen/Geometry>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -25,6 +27,38 @@ std::uint64_t hashOf(const oracle::Ray& ray) {
   return hash;
 }
 
+PreprocessOptions absolute(double radius) {
+  PreprocessOptions options;
+  options.radius.value = radius;
+  options.threads = 1;
+  return options;
+}
+
+/// The triangle that tells best which facet a plane of the hull became: large, and turned and placed as the
+/// plane is.
+std::uint32_t triangleIn(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles,
+                         const oracle::Plane& plane, const Eigen::Vector3d& origin, double diagonal) {
+  const Eigen::Vector3d normal = plane.normal.cast<double>();
+  double best = 0;
+  std::uint32_t found = kNone;
+  for (const std::uint32_t t : triangles) {
+    Eigen::Vector3d corner[3];
+    double away = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Point3& p = mesh.positions[mesh.triangles[t][std::size_t(k)]];
+      corner[k] = Eigen::Vector3d(p.x, p.y, p.z) - origin;
+      away = std::max(away, std::abs(normal.dot(corner[k]) - double(plane.offset)));
+    }
+    const double area = std::abs((corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(normal));
+    const double score = area / (1 + std::pow(away / (1e-6 * diagonal), 2));
+    if (score > best) {
+      best = score;
+      found = t;
+    }
+  }
+  return found;
+}
+
 } // namespace
 
 static_assert(int(Feature::Flat) == int(oracle::Feature::Flat) &&
@@ -47,31 +81,24 @@ TriangleMesh meshOf(std::span<const oracle::ConvexSolid> solids) {
 }
 
 RoundedSubject::RoundedSubject(std::span<const oracle::ConvexSolid> solids, double radius)
-    : solids_(solids.begin(), solids.end()) {
-  PreprocessOptions options;
-  options.radius.value = radius;
-  options.threads = 1;
-  const TriangleMesh mesh = meshOf(solids);
-  result_ = preprocess(mesh, options);
-  std::size_t triangle = 0;
-  for (const oracle::ConvexSolid& solid : solids) {
+    : RoundedSubject(meshOf(solids), absolute(radius), {solids.begin(), solids.end()}) {}
+
+RoundedSubject::RoundedSubject(const TriangleMesh& mesh, const PreprocessOptions& options,
+                               std::vector<oracle::ConvexSolid> hulls)
+    : result_(preprocess(mesh, options)), solids_(std::move(hulls)) {
+  std::vector<std::vector<std::uint32_t>> trianglesOfSolid(solids_.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t facet = view().facetOfTriangle[t];
+    if (facet != kNone) trianglesOfSolid.at(view().facets[facet].solid).push_back(t);
+  }
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    centres_.push_back(solids_[s].centroid());
+    planes_.push_back(solids_[s].planes(centres_.back()));
     facetOfFace_.emplace_back();
-    centres_.push_back(solid.centroid());
-    planes_.push_back(solid.planes(centres_.back()));
-    for (const auto& face : solid.faces) {
-      // A fan's thinnest triangles may lie in a neighbour's facet as well; the largest speaks for the face.
-      double largest = -1;
-      std::uint32_t facet = kNone;
-      for (std::size_t k = 1; k + 1 < face.size(); ++k, ++triangle) {
-        const Point3& a = mesh.positions[mesh.triangles[triangle][0]];
-        const double area = lengthSquared(cross(mesh.positions[mesh.triangles[triangle][1]] - a,
-                                                mesh.positions[mesh.triangles[triangle][2]] - a));
-        if (area > largest) {
-          largest = area;
-          facet = view().facetOfTriangle[triangle];
-        }
-      }
-      facetOfFace_.back().push_back(facet);
+    for (const oracle::Plane& plane : planes_.back()) {
+      const std::uint32_t t =
+          triangleIn(mesh, trianglesOfSolid[s], plane, centres_.back(), solids_[s].diagonal());
+      facetOfFace_.back().push_back(t == kNone ? kNone : view().facetOfTriangle[t]);
     }
   }
 }

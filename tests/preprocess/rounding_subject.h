@@ -17,6 +17,9 @@ public:
   RoundedSubject(std::span<const oracle::ConvexSolid> solids, double radius);
   RoundedSubject(const oracle::ConvexSolid& solid, double radius)
       : RoundedSubject(std::span(&solid, 1), radius) {}
+  /// Any mesh: `hulls` are its components' convex hulls, in the components' order.
+  RoundedSubject(const TriangleMesh& mesh, const PreprocessOptions& options,
+                 std::vector<oracle::ConvexSolid> hulls);
 
   const RoundingView& view() const { return result_.rounding->view(); }
   const PreprocessReport& report() const { return result_.report; }

@@ -1,0 +1,98 @@
+// Real meshes, as they lie outside the project: each is rounded, and its rays are compared with the oracle of
+// the convex hull of what was read. CHAMFER_RAYS=100 asks for a hundred times the rays.
+#include "common/error.h"
+#include "tests/oracle/exact_hull.h"
+#include "tests/oracle/ray_samples.h"
+#include "tests/preprocess/rounding_subject.h"
+
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <iostream>
+#include <map>
+
+namespace chamfer {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> filesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  if (fs::is_directory(folder))
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      if (const std::string e = entry.path().extension();
+          e == ".obj" || e == ".stl" || e == ".ply" || e == ".off")
+        files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Planes nearer than this share of the size are one facet for preprocessing; the truth must not be finer.
+constexpr double kSamePlane = 1e-7;
+
+/// Files that cannot be rounded with this radius, and how they are refused.
+const std::map<std::string, ErrorKind> kRefused{
+    {"anisotropic-1e-4.obj", ErrorKind::RadiusTooLarge},          // its inradius is 0.0035 % of its diagonal
+    {"manifold-models-Cray_left.obj", ErrorKind::NotConvexSolid}, // its second shell is a cavity in the first
+};
+
+class RealMeshes : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RealMeshes, AgreeWithTheOracleOfTheirHulls) {
+  const auto files = filesIn(fs::path(CHAMFER_SOURCE_DIR) / "../shared/data" / GetParam());
+  if (files.empty()) GTEST_SKIP() << "no such folder beside the project: shared/data/" << GetParam();
+  PreprocessOptions options;
+  options.radius = parseRadius("0.02%");
+  options.threads = 1;
+  oracle::Tolerances tolerances;
+  // Facets are merged where vertices lie within 1e-6 diagonals of a plane: E moves by that much.
+  tolerances.noise = 2e-6;
+  tolerances.seam = 5e-5;
+  oracle::AgreementReport sum;
+  std::size_t solids = 0;
+  for (const fs::path& file : files) {
+    SCOPED_TRACE(file.filename().string());
+    try {
+      const TriangleMesh mesh = readMesh(file);
+      if (const auto refused = kRefused.find(file.filename().string()); refused != kRefused.end()) {
+        try {
+          preprocess(mesh, options);
+          ADD_FAILURE() << "was rounded";
+        } catch (const Error& e) {
+          EXPECT_EQ(e.kind(), refused->second) << e.what();
+        }
+        continue;
+      }
+      std::vector<oracle::ConvexSolid> hulls;
+      for (const Component& component : splitComponents(mesh, options.tolerances, 1).list) {
+        std::vector<Eigen::Vector3d> points;
+        for (const Point3& p : component.positions)
+          points.emplace_back(p.x, p.y, p.z);
+        hulls.push_back(oracle::exactHull(file.filename().string(), points, kSamePlane));
+      }
+      const RoundedSubject subject(mesh, options, hulls);
+      ASSERT_EQ(subject.view().solidCount(), hulls.size());
+      oracle::UnionOracle truth;
+      for (const auto& hull : hulls)
+        truth.add(std::make_shared<oracle::RoundedOracle>(hull, options.radius.value * hull.diagonal()));
+      oracle::AgreementReport report;
+      for (std::size_t s = 0; s < hulls.size(); ++s) {
+        oracle::RaySampler sampler(hulls[s], truth.part(s), s);
+        report.merge(compare(subject.firstEnd(), truth,
+                             sampler.mixed(oracle::rayBudget(600 / hulls.size() + 1)), tolerances));
+      }
+      EXPECT_TRUE(report.agrees()) << report.complaint();
+      sum.merge(report);
+      solids += hulls.size();
+    } catch (const std::exception& e) {
+      ADD_FAILURE() << e.what();
+    }
+  }
+  std::cout << GetParam() << ": " << files.size() << " files, " << solids << " solids, " << sum.summary()
+            << "\n";
+}
+
+INSTANTIATE_TEST_SUITE_P(Folders, RealMeshes, ::testing::Values("catalogue", "pieces", "accepted"),
+                         [](const auto& folder) { return std::string(folder.param); });
+
+} // namespace
+} // namespace chamfer
