@@ -26,7 +26,7 @@ export function makeRoot(chamferprep, data) {
   return { root, remove };
 }
 
-/** Starts chamferd on `root`; port 0 means any free one. Resolves once it has printed its address. */
+/** Starts chamferd on `root`; port 0 means any free one. Resolves once it is ready: every scene was tried. */
 export async function startServer(chamferd, root, port = 0) {
   const child = spawn(chamferd, ['serve', root, '--port', String(port)], { stdio: ['ignore', 'pipe', 'pipe'] });
   let output = '';
@@ -52,9 +52,20 @@ export async function startServer(chamferd, root, port = 0) {
     return status;
   };
   try {
-    return { ...(await address), stop, output: () => output };
+    const { url, port: bound } = await address;
+    await untilReady(url);
+    return { url, port: bound, stop };
   } catch (error) {
     child.kill('SIGKILL');
     throw error;
   }
+}
+
+async function untilReady(url) {
+  for (const started = Date.now(); Date.now() - started < START_MS; ) {
+    const { ok } = await fetch(`${url}/readyz`);
+    if (ok) return;
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+  throw new Error(`chamferd was not ready within ${START_MS / 1000} s`);
 }
