@@ -65,7 +65,7 @@ void Environment::tabulate(unsigned width, unsigned height) {
   const unsigned nx = image_ ? (image_->width() + width - 1) / width : 1;
   const unsigned ny = image_ ? (image_->height() + height - 1) / height : 4;
   std::vector<float> values(std::size_t(width) * height);
-  double sum = 0;
+  double sum = 0, largest = 0;
   for (unsigned y = 0; y < height; ++y)
     for (unsigned x = 0; x < width; ++x) {
       double cell = 0;
@@ -79,11 +79,13 @@ void Environment::tabulate(unsigned width, unsigned height) {
           else
             c = radiance(up_ * float(std::cos(theta)) + x_ * float(std::sin(theta)));
           cell += luminance(c) * std::sin(theta);
+          largest = std::max(largest, double(luminance(c)));
         }
       values[std::size_t(y) * width + x] = float(cell / (nx * ny));
       sum += cell / (nx * ny);
     }
   meanLuminance_ = float(sum / (double(width) * height) * std::numbers::pi / 2);
+  if (meanLuminance_ > 0) contrast_ = float(largest / meanLuminance_);
   table_ = Distribution2D(width, height, values);
 }
 

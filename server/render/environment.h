@@ -36,6 +36,8 @@ public:
   float pdf(const Vector3f& d) const;
   /// Mean radiance over all directions, luminance.
   float meanLuminance() const { return meanLuminance_; }
+  /// Largest luminance over the mean: how much sampling by the table has to gain.
+  float contrast() const { return contrast_; }
   std::size_t memoryBytes() const;
 
 private:
@@ -49,7 +51,7 @@ private:
   float strength_ = 1;
   float turn_ = 0; ///< rotation as a share of a full turn
   Distribution2D table_;
-  float meanLuminance_ = 0;
+  float meanLuminance_ = 0, contrast_ = 1;
 };
 
 } // namespace chamfer

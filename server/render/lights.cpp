@@ -16,6 +16,10 @@ double shadowEnd(double reach, double distance, double cosine) {
   return std::max(0.0, 1 - kErrors * (1 + reach / (distance * cosine)));
 }
 
+/// A sky with less contrast than this is left to scattered rays alone: they find it as often as it is bright,
+/// and a shadow ray towards it would be taken from lights that need one.
+constexpr float kEvenSky = 4;
+
 } // namespace
 
 Lights::Lights(std::shared_ptr<const Environment> environment, std::vector<DistantLight> distant,
@@ -27,7 +31,8 @@ Lights::Lights(std::shared_ptr<const Environment> environment, std::vector<Dista
       bounds.empty() ? 1 : std::max(bounds.diagonal() / 2, std::numeric_limits<double>::min());
   const double disk = std::numbers::pi * radius * radius;
   std::vector<double> power;
-  power.push_back(environment_ ? 4 * std::numbers::pi * disk * environment_->meanLuminance() : 0);
+  const bool sampleEnvironment = environment_ && environment_->contrast() > kEvenSky;
+  power.push_back(sampleEnvironment ? 4 * std::numbers::pi * disk * environment_->meanLuminance() : 0);
   for (const DistantLight& light : distant_) {
     const double half = light.angularDiameterDegrees * std::numbers::pi / 360, s = std::sin(half / 2);
     oneMinusCos_.push_back(float(2 * s * s));
@@ -146,10 +151,10 @@ LightSample Lights::sampleTriangle(const EmissiveTriangle& light, const Point3& 
 
 Color Lights::escaped(const Vector3f& d, float bsdfPdf) const {
   Color sum;
-  if (empty()) return sum;
   const auto weight = [&](std::size_t choice, auto pdf) {
-    if (!(bsdfPdf > 0)) return 1.f;
-    return powerHeuristic(bsdfPdf, choices_.probability(std::uint32_t(choice)) * pdf());
+    if (!(bsdfPdf > 0) || empty()) return 1.f;
+    const float probability = choices_.probability(std::uint32_t(choice));
+    return probability > 0 ? powerHeuristic(bsdfPdf, probability * pdf()) : 1.f;
   };
   if (environment_) sum += environment_->radiance(d) * weight(0, [&] { return environment_->pdf(d); });
   for (std::size_t i = 0; i < distant_.size(); ++i) {

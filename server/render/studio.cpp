@@ -2,7 +2,7 @@
 
 namespace chamfer {
 
-SkyGradient neutralSky() { return {{0.55f, 0.62f, 0.75f}, {0.85f, 0.86f, 0.88f}, {0.3f, 0.29f, 0.28f}}; }
+SkyGradient neutralSky() { return {{0.3f, 0.36f, 0.46f}, {0.62f, 0.64f, 0.67f}, {0.26f, 0.25f, 0.24f}}; }
 
 std::shared_ptr<const TriangleMesh> makeQuad(const Point3& centre, const Vector3& u, const Vector3& v) {
   auto mesh = std::make_shared<TriangleMesh>();
@@ -36,17 +36,17 @@ void addStudio(SceneData& data, std::size_t sceneMeshes, const Bounds3& bounds) 
   Material ground;
   ground.baseColor = {0.42f, 0.42f, 0.43f};
   ground.roughness = 0.8f;
-  addQuad(data, sceneMeshes, "studio ground", foot, {40 * size, 0, 0}, {0, 40 * size, 0}, ground);
+  addQuad(data, sceneMeshes, "studio ground", foot, {12 * size, 0, 0}, {0, 12 * size, 0}, ground);
 
   Material light;
   light.baseColor = {};
   light.specular = 0;
-  light.emission = {9, 8.6f, 8};
+  light.emission = {17, 16.2f, 15};
   const Vector3 towards =
-      normalize(Vector3(-0.55, -0.6, 1.1)); // above, behind the fitted camera's left shoulder
+      normalize(Vector3(-0.9, -0.35, 1.05)); // above, to the left of the fitted camera's view
   const Vector3 u = normalize(cross(Vector3(0, 0, 1), towards)), v = cross(towards, u);
-  addQuad(data, sceneMeshes, "studio light", centre + towards * (2.2 * size), u * (0.55 * size),
-          v * (0.55 * size), light);
+  addQuad(data, sceneMeshes, "studio light", centre + towards * (2.2 * size), u * (0.5 * size),
+          v * (0.5 * size), light);
 
   data.environment = std::make_shared<Environment>(Environment::sky(neutralSky(), {0, 0, 1}));
 }
