@@ -48,8 +48,9 @@ public:
          std::vector<PointLight> points, std::vector<EmissiveTriangle> triangles, const Bounds3& bounds,
          double reach);
 
+  /// Is there nothing to sample? Light may still be found by chance (an even sky).
   bool empty() const { return choices_.size() == 0; }
-  /// A direction to a light as seen from `p`. `choice` and `u` are uniform.
+  /// A direction to a light as seen from `p`; not to be asked of an empty set. `choice` and `u` are uniform.
   LightSample sample(const Point3& p, float choice, const Float2& u) const;
 
   /// What a ray that leaves the scene along unit `d` sees, each part weighed against `bsdfPdf` (the density

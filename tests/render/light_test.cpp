@@ -106,18 +106,24 @@ TEST(Lights, SamplingAddsUpToClosedForms) {
     const auto [mean, error] = irradiance(lights);
     EXPECT_NEAR(mean, truth, 4.5 * error + 1e-4 * truth) << what;
   };
-  const auto white = std::make_shared<Environment>(Environment::constant(grey(1)));
+  const auto image = std::make_shared<Environment>(Environment::image(smallImage(), 1, 0, {0, 0, 1}));
+  const double imageTruth = test::integrate(
+      [&](double z, double phi) {
+        const double s = std::sqrt(1 - z * z);
+        return z * image->radiance({float(s * std::cos(phi)), float(s * std::sin(phi)), float(z)}).g;
+      },
+      0, 1, 0, 2 * std::numbers::pi, 1000);
   const DistantLight sun{normalize(Vector3(0, 1, 1)), grey(3), 0},
       wideSun{normalize(Vector3(0, 1, 1)), grey(3), 2};
   const PointLight point{{0, 3, 4}, grey(50)};
-  const double pi = std::numbers::pi, slanted = 3 / std::sqrt(2.0), pointTruth = 50.0 / 25 * 4 / 5;
-  expectMean("environment", Lights(white, {}, {}, {}, unitBounds(), 4), pi);
+  const double slanted = 3 / std::sqrt(2.0), pointTruth = 50.0 / 25 * 4 / 5;
+  expectMean("image", Lights(image, {}, {}, {}, unitBounds(), 4), imageTruth);
   expectMean("sun", Lights(nullptr, {sun}, {}, {}, unitBounds(), 4), slanted);
   expectMean("wide sun", Lights(nullptr, {wideSun}, {}, {}, unitBounds(), 4), slanted);
   expectMean("point", Lights(nullptr, {}, {point}, {}, unitBounds(), 4), pointTruth);
   expectMean("quad", Lights(nullptr, {}, {}, quad(2), unitBounds(), 4), 2 * quadIrradiance());
-  expectMean("all", Lights(white, {sun, wideSun}, {point}, quad(2), unitBounds(), 4),
-             pi + 2 * slanted + pointTruth + 2 * quadIrradiance());
+  expectMean("all", Lights(image, {sun, wideSun}, {point}, quad(2), unitBounds(), 4),
+             imageTruth + 2 * slanted + pointTruth + 2 * quadIrradiance());
 }
 
 TEST(Lights, TheIrradianceJudgeRejectsALightOneHundredthTooBright) {
@@ -158,6 +164,16 @@ TEST(Lights, HeuristicWeightsSumToOne) {
   for (const auto& [a, b] : {std::pair(1.f, 2.f), {1e-30f, 1e-30f}, {1e30f, 1.f}, {0.f, 3.f}, {3e38f, 2e38f}})
     EXPECT_FLOAT_EQ(powerHeuristic(a, b) + powerHeuristic(b, a), 1);
   EXPECT_EQ(powerHeuristic(0, 0), 0);
+}
+
+TEST(Lights, EvenSkiesAreLeftToScatteredRays) {
+  const Lights even(std::make_shared<Environment>(Environment::constant(grey(2))), {}, {}, {}, unitBounds(),
+                    4);
+  EXPECT_TRUE(even.empty());
+  EXPECT_EQ(even.escaped({0, 0, 1}, 0.3f), grey(2)) << "their whole light counts where it is found";
+  const Lights uneven(std::make_shared<Environment>(Environment::image(smallImage(), 1, 0, {0, 0, 1})), {},
+                      {}, {}, unitBounds(), 4);
+  EXPECT_FALSE(uneven.empty());
 }
 
 TEST(Lights, NoLightsIsEmpty) {
