@@ -27,7 +27,7 @@ struct Tolerances {
   /// How far E's vertices and flats may be off in the program's storage. On a rounding this turns normals by
   /// noise / r; where a cylinder or sphere stands out by it over its neighbour, by sqrt(2 noise / r) at the
   /// seam.
-  double noise = 1e-8;
+  double noise = 4e-8;
   unsigned threads = 0; ///< 0: all
 };
 

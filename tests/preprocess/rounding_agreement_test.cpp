@@ -93,14 +93,18 @@ INSTANTIATE_TEST_SUITE_P(Placements, RoundingAgreement, ::testing::Range(0, int(
 
 TEST(RoundingAgreementLarge, ManySidesAndPoints) {
   AgreementReport sum;
+  oracle::Tolerances tolerances;
+  // Among thousands of facets some neighbours are coplanar to 1e-6 diagonals: preprocessing makes one of
+  // them.
+  tolerances.noise = 1e-6;
   for (const ConvexSolid& solid : oracle::largeFamilies())
     for (const double share : {0.01, 0.3, 0.9}) {
       const Case c(solid, share);
       RaySampler sampler(solid, *c.truth, 5);
       const auto rays = sampler.mixed(oracle::rayBudget(2000));
-      const AgreementReport first = compare(c.subject.firstEnd(), c.all, rays);
+      const AgreementReport first = compare(c.subject.firstEnd(), c.all, rays, tolerances);
       EXPECT_TRUE(first.agrees()) << at(solid, share) << "first end: " << first.complaint();
-      const AgreementReport in = compare(c.subject.entryOfLine(), c.all, asLines(rays));
+      const AgreementReport in = compare(c.subject.entryOfLine(), c.all, asLines(rays), tolerances);
       EXPECT_TRUE(in.agrees()) << at(solid, share) << "entry: " << in.complaint();
       sum.merge(first);
       sum.merge(in);

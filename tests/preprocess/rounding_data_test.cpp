@@ -5,6 +5,7 @@
 #include "tests/oracle/ray_samples.h"
 #include "tests/preprocess/rounding_subject.h"
 
+#include <cctype>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <iostream>
@@ -15,13 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> filesIn(const fs::path& folder) {
+std::vector<fs::path> meshesIn(const fs::path& folder) {
   std::vector<fs::path> files;
-  if (fs::is_directory(folder))
-    for (const auto& entry : fs::recursive_directory_iterator(folder))
-      if (const std::string e = entry.path().extension();
-          e == ".obj" || e == ".stl" || e == ".ply" || e == ".off")
-        files.push_back(entry.path());
+  if (!fs::is_directory(folder)) return files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    std::string extension = entry.path().extension().string();
+    for (char& c : extension)
+      c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (extension == ".obj" || extension == ".stl" || extension == ".ply" || extension == ".off")
+      files.push_back(entry.path());
+  }
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -35,10 +39,10 @@ const std::map<std::string, ErrorKind> kRefused{
     {"manifold-models-Cray_left.obj", ErrorKind::NotConvexSolid}, // its second shell is a cavity in the first
 };
 
-class RealMeshes : public ::testing::TestWithParam<const char*> {};
+class RoundingOfRealMeshes : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(RealMeshes, AgreeWithTheOracleOfTheirHulls) {
-  const auto files = filesIn(fs::path(CHAMFER_SOURCE_DIR) / "../shared/data" / GetParam());
+TEST_P(RoundingOfRealMeshes, AgreesWithTheOracleOfTheirHulls) {
+  const auto files = meshesIn(fs::path(CHAMFER_SOURCE_DIR) / "../shared/data" / GetParam());
   if (files.empty()) GTEST_SKIP() << "no such folder beside the project: shared/data/" << GetParam();
   PreprocessOptions options;
   options.radius = parseRadius("0.02%");
@@ -91,7 +95,7 @@ TEST_P(RealMeshes, AgreeWithTheOracleOfTheirHulls) {
             << "\n";
 }
 
-INSTANTIATE_TEST_SUITE_P(Folders, RealMeshes, ::testing::Values("catalogue", "pieces", "accepted"),
+INSTANTIATE_TEST_SUITE_P(Folders, RoundingOfRealMeshes, ::testing::Values("catalogue", "pieces", "accepted"),
                          [](const auto& folder) { return std::string(folder.param); });
 
 } // namespace
