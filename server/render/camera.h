@@ -18,6 +18,7 @@ class CameraRays {
 public:
   /// Throws as validateCamera(), and Error(OutOfRange) for an empty frame.
   CameraRays(const Camera& camera, unsigned width, unsigned height);
+  bool usesLens() const { return thinLens_; } ///< false: rays do not depend on `lens`
   /// Through (x, y) of the frame, pixels from its upper left corner; `lens` uniform on the unit square.
   Ray ray(double x, double y, const Float2& lens) const;
 

@@ -58,17 +58,6 @@ AliasTable::AliasTable(const std::vector<double>& weights) : entries_(weights.si
   }
 }
 
-AliasTable::Choice AliasTable::sample(float u) const {
-  // In double, so that large tables still reach every entry and the remainder keeps its digits.
-  const double x = double(u) * double(entries_.size());
-  const auto i = std::min(std::uint32_t(x), std::uint32_t(entries_.size() - 1));
-  const double within = x - i;
-  const Entry& e = entries_[i];
-  if (within < e.keep) return {i, e.probability, std::min(float(within / e.keep), kBelowOne)};
-  return {e.alias, entries_[e.alias].probability,
-          std::min(float((within - e.keep) / (1.0 - e.keep)), kBelowOne)};
-}
-
 Distribution2D::Distribution2D(unsigned width, unsigned height, const std::vector<float>& values)
     : width_(width), height_(height), rows_(height + 1), columns_(std::size_t(height) * (width + 1)) {
   std::vector<double> sums(height), row(width);

@@ -3,6 +3,7 @@
 
 #include "server/render/sampler.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -18,9 +19,14 @@ public:
   struct Choice {
     std::uint32_t index;
     float probability;
-    float left; ///< what remains of `u`, again uniform in [0, 1)
   };
-  Choice sample(float u) const;
+  Choice sample(float u) const {
+    const float x = u * float(entries_.size());
+    const auto i = std::min(std::uint32_t(x), std::uint32_t(entries_.size() - 1));
+    const Entry& e = entries_[i];
+    const std::uint32_t index = x - float(i) < e.keep ? i : e.alias;
+    return {index, entries_[index].probability};
+  }
   float probability(std::uint32_t index) const { return entries_[index].probability; }
   std::size_t size() const { return entries_.size(); }
   std::size_t memoryBytes() const { return entries_.size() * sizeof(Entry); }

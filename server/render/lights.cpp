@@ -41,44 +41,42 @@ Lights::Lights(std::shared_ptr<const Environment> environment, std::vector<Dista
   for (const PointLight& light : points_)
     power.push_back(4 * std::numbers::pi * luminance(light.intensity));
 
-  std::vector<double> weights;
-  double sum = 0;
-  for (const EmissiveTriangle& t : triangles_) {
-    weights.push_back(0.5 * length(cross(t.edge1, t.edge2)) * luminance(t.emission));
-    sum += weights.back();
+  for (const EmissiveTriangle& t : triangles_) // both sides
+    power.push_back(std::numbers::pi * length(cross(t.edge1, t.edge2)) * luminance(t.emission));
+  // By power alone, lights that are dim over all but near would starve: every kind of light keeps some
+  // chance.
+  const std::size_t ends[] = {0, 1, 1 + distant_.size(), 1 + distant_.size() + points_.size(), power.size()};
+  double sums[4] = {}, total = 0;
+  int kinds = 0;
+  for (int k = 0; k < 4; ++k) {
+    for (std::size_t i = ends[k]; i < ends[k + 1]; ++i)
+      sums[k] += power[i];
+    total += sums[k];
+    kinds += sums[k] > 0;
   }
-  power.push_back(2 * std::numbers::pi * sum);
-  double total = 0;
-  for (const double p : power)
-    total += p;
   if (!(total > 0)) return;
-  // A share by power alone starves what is dim over all but near: everything keeps some chance.
-  std::size_t lit = 0;
-  for (const double p : power)
-    lit += p > 0;
-  for (double& p : power)
-    if (p > 0) p = 0.8 * p / total + 0.2 / double(lit);
+  for (int k = 0; k < 4; ++k)
+    for (std::size_t i = ends[k]; i < ends[k + 1]; ++i)
+      if (sums[k] > 0) power[i] *= 0.8 / total + 0.2 / (kinds * sums[k]);
   choices_ = AliasTable(power);
-  if (sum > 0) {
-    triangleTable_ = AliasTable(weights);
-    triangleScale_ = choices_.probability(std::uint32_t(power.size() - 1)) / sum;
-  }
+  // A triangle's power is pi times both its sides' area times luminance: chance over area, per unit of
+  // luminance.
+  if (sums[3] > 0) triangleScale_ = 2 * std::numbers::pi * (0.8 / total + 0.2 / (kinds * sums[3]));
 }
 
 LightSample Lights::sample(const Point3& p, float choice, const Float2& u) const {
   const AliasTable::Choice light = choices_.sample(choice);
-  LightSample s;
   std::size_t index = light.index;
-  if (index == 0) {
+  const std::size_t others = 1 + distant_.size() + points_.size();
+  if (index >= others)
+    return sampleTriangle(triangles_[index - others], p, u); // its density has the choice in it
+  LightSample s;
+  if (index == 0)
     s = sampleEnvironment(u);
-  } else if (--index < distant_.size()) {
+  else if (--index < distant_.size())
     s = sampleDistant(index, u);
-  } else if ((index -= distant_.size()) < points_.size()) {
-    s = samplePoint(index, p);
-  } else {
-    const AliasTable::Choice triangle = triangleTable_.sample(light.left);
-    return sampleTriangle(triangles_[triangle.index], p, u); // its density has the choice in it
-  }
+  else
+    s = samplePoint(index - distant_.size(), p);
   if (s.delta)
     s.radiance *= 1 / light.probability;
   else
@@ -168,8 +166,8 @@ Color Lights::escaped(const Vector3f& d, float bsdfPdf) const {
 }
 
 std::size_t Lights::memoryBytes() const {
-  return triangles_.size() * sizeof(EmissiveTriangle) + triangleTable_.memoryBytes() +
-         choices_.memoryBytes() + (environment_ ? environment_->memoryBytes() : 0);
+  return triangles_.size() * sizeof(EmissiveTriangle) + choices_.memoryBytes() +
+         (environment_ ? environment_->memoryBytes() : 0);
 }
 
 } // namespace chamfer

@@ -78,8 +78,7 @@ private:
   std::vector<PointLight> points_;
   std::vector<EmissiveTriangle> triangles_;
   double reach_;
-  AliasTable triangleTable_;
-  AliasTable choices_;       ///< environment (if any), distant lights, point lights, all triangles (if any)
+  AliasTable choices_;       ///< environment (if any), distant lights, point lights, triangles
   double triangleScale_ = 0; ///< density per area and unit of luminance, choice included
 };
 

@@ -116,7 +116,8 @@ private:
   AovSample renderSample(unsigned x, unsigned y, unsigned index, RayStatistics& statistics) const {
     const Sampler sampler(x, y, index, settings_.seed);
     const Float2 offset = PixelFilter::instance().sample(sampler.pair(kPixelPair));
-    const Ray ray = camera_.ray(x + 0.5 + offset.x, y + 0.5 + offset.y, sampler.pair(kLensPair));
+    const Float2 lens = camera_.usesLens() ? sampler.pair(kLensPair) : Float2{};
+    const Ray ray = camera_.ray(x + 0.5 + offset.x, y + 0.5 + offset.y, lens);
     AovSample sample;
     if (settings_.aov == Aov::Beauty)
       sample = {paths_.radiance(ray, sampler, statistics), 1};
