@@ -92,23 +92,31 @@ void Catalogue::pass() {
     std::erase_if(byName_, [&](const auto& item) { return !names.contains(item.first); });
     std::erase_if(byId_, [&](const auto& item) { return !names.contains(item.second->name); });
   }
-  std::erase_if(stamps_, [&](const auto& item) { return !names.contains(item.first); });
+  std::erase_if(sources_, [&](const auto& item) { return !names.contains(item.first); });
 
   for (const FoundScene& found : scan.scenes) {
     if (stopping_) return;
-    Entry before = find(found.name);
-    std::vector<Stamp>& stamps = stamps_[found.name];
-    if (stamps == stampsOf(found, before ? before->scene.get() : nullptr)) continue;
+    if (const Entry before = find(found.name); before && current(found, *before, scan.files)) continue;
     // Stamps of before the read: a change during it is seen by the next pass.
     const std::vector<Stamp> own = stampsOf(found, nullptr);
     const Entry entry = load(found);
-    stamps = stampsOf(found, entry->scene.get());
+    std::vector<Stamp> stamps = stampsOf(found, entry->scene.get());
     std::copy(own.begin(), own.end(), stamps.begin());
+    sources_[found.name] = {std::move(stamps), scan.files};
     const std::lock_guard lock(mutex_);
     std::erase_if(byId_, [&](const auto& item) { return item.second->name == found.name; });
     byName_[found.name] = entry;
     if (entry->scene) byId_[entry->scene->id.hex()] = entry;
   }
+}
+
+bool Catalogue::current(const FoundScene& found, const CatalogueEntry& entry, const Digest& files) const {
+  const auto sources = sources_.find(found.name);
+  if (sources == sources_.end()) return false;
+  if (sources->second.stamps != stampsOf(found, entry.scene.get())) return false;
+  // What a scene that could not be loaded names besides is not known: any file may be the one that was
+  // mended.
+  return entry.state == SceneState::Ready || sources->second.files == files;
 }
 
 Catalogue::Entry Catalogue::load(const FoundScene& found) const {

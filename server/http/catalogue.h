@@ -62,8 +62,14 @@ private:
     std::uintmax_t size = 0;
     bool operator==(const Stamp&) const = default;
   };
+  /// What an entry was loaded from.
+  struct Sources {
+    std::vector<Stamp> stamps;
+    Digest files; ///< of everything below the root then
+  };
   void run();
   void pass();
+  bool current(const FoundScene& found, const CatalogueEntry& entry, const Digest& files) const;
   Entry load(const FoundScene& found) const;
   static Stamp stampOf(const std::filesystem::path& file);
   static std::vector<Stamp> stampsOf(const FoundScene& found, const Scene* scene);
@@ -76,7 +82,7 @@ private:
   std::map<std::string, Entry> byName_;
   std::map<std::string, Entry> byId_;
   std::vector<std::string> warnings_;
-  std::map<std::string, std::vector<Stamp>> stamps_; ///< by name; the loading thread's own
+  std::map<std::string, Sources> sources_; ///< by name; the loading thread's own
   std::thread thread_;
 };
 

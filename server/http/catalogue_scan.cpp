@@ -65,11 +65,15 @@ std::vector<fs::path> entriesBelow(const fs::path& root) {
 
 ScanResult scanRoot(const fs::path& root) {
   ScanResult result;
+  std::string seen;
   std::map<std::string, fs::path> scenes;
   std::vector<fs::path> meshes;
 
   for (const fs::path& file : entriesBelow(root)) {
     const std::string relative = file.lexically_relative(root).generic_string();
+    std::error_code ignored; // of a folder, or a file that is just going: its name is enough
+    seen += relative + '\n' + std::to_string(fs::last_write_time(file, ignored).time_since_epoch().count()) +
+            ' ' + std::to_string(fs::file_size(file, ignored)) + '\n';
     const bool scene = relative.ends_with(kSceneExtension);
     if (!scene && !isMesh(file)) continue;
     if (!printable(relative)) {
@@ -94,6 +98,8 @@ ScanResult scanRoot(const fs::path& root) {
       result.warnings.push_back(relative +
                                 ".chamfer is passed over: it is no regular file below the served folder");
   }
+
+  result.files = digestOf(seen);
 
   std::map<std::string, fs::path> named;
   for (const fs::path& mesh : meshes) {

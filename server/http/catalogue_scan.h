@@ -1,6 +1,8 @@
 // Which files below the served folder are scenes, and under which names.
 #pragma once
 
+#include "common/digest.h"
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,6 +17,7 @@ struct FoundScene {
 struct ScanResult {
   std::vector<FoundScene> scenes;    ///< sorted by name; names are unique
   std::vector<std::string> warnings; ///< what was passed over and why; paths below the root
+  Digest files;                      ///< of names, sizes and times of everything that was seen
 };
 
 /// Walks `root` (canonical): every `*.scene.json`, and every mesh (.obj .stl .ply .off, any case) with a

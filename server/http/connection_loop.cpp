@@ -158,7 +158,18 @@ private:
   void close(Connection& c) {
     enter(c, State::Lingering); // leaves the count of busy ones
     bodyBytes_ -= c.reserved;
+    answerBytes_ -= c.out.size();
     connections_.erase(c.serial);
+  }
+
+  /// Clients that leave their answers unread must not fill the memory. False: `but` is the only one.
+  bool closeOldestWriting(const Connection& but) {
+    Connection* oldest = nullptr;
+    for (const auto& [serial, c] : connections_)
+      if (c->state == State::Writing && c.get() != &but && (!oldest || c->deadline < oldest->deadline))
+        oldest = c.get();
+    if (oldest) close(*oldest);
+    return oldest != nullptr;
   }
 
   bool closeLongestIdle() {
@@ -332,10 +343,13 @@ private:
     bodyBytes_ -= c.reserved;
     c.reserved = 0;
     c.out = std::move(answer.bytes);
+    answerBytes_ += c.out.size();
     c.sent = 0;
     c.closeAfter = answer.close;
     c.deadline = transferDeadline(c.out.size());
     enter(c, State::Writing);
+    while (answerBytes_ > limits_.answerBytes && closeOldestWriting(c)) {
+    }
     writeMore(c);
   }
 
@@ -347,6 +361,7 @@ private:
       if (n < 0) return close(c);
       c.sent += static_cast<std::size_t>(n);
     }
+    answerBytes_ -= c.out.size();
     c.out = {};
     if (c.closeAfter) {
       // Closing with bytes unread would reset the connection and could take the answer with it.
@@ -383,7 +398,7 @@ private:
   std::vector<Completion> completions_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Connection>> connections_; ///< the loop's thread only
   std::uint64_t lastSerial_ = 0;
-  std::size_t bodyBytes_ = 0;
+  std::size_t bodyBytes_ = 0, answerBytes_ = 0;
   std::unique_ptr<WorkerPool> pool_;
   std::thread thread_;
 };

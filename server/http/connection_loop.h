@@ -20,12 +20,14 @@
 namespace chamfer::http {
 
 struct ConnectionLimits {
-  std::size_t connections = 512;          ///< beyond: the longest idle one is closed, or the new one refused
-  std::size_t bodyBytes = 256u << 20;     ///< of all bodies that are read or handled at one time
-  unsigned workers = 8;                   ///< threads that handle requests
-  std::size_t pending = 256;              ///< requests that wait for such a thread
-  std::chrono::milliseconds idle{15'000}; ///< between requests
-  std::chrono::milliseconds head{5'000};  ///< from a head's first byte to its last
+  std::size_t connections = 512;      ///< beyond: the longest idle one is closed, or the new one refused
+  std::size_t bodyBytes = 256u << 20; ///< of all bodies that are read or handled at one time
+  std::size_t answerBytes = std::size_t{1}
+                            << 30; ///< of all answers that wait to be read; beyond, the oldest is dropped
+  unsigned workers = 8;            ///< threads that handle requests
+  std::size_t pending = 256;       ///< requests that wait for such a thread
+  std::chrono::milliseconds idle{15'000};     ///< between requests
+  std::chrono::milliseconds head{5'000};      ///< from a head's first byte to its last
   std::chrono::milliseconds transfer{10'000}; ///< for a body or an answer, and more by its size:
   std::size_t bytesPerSecond = 64u << 10;     ///< the slowest transfer that is still waited for
 };

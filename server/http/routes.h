@@ -22,8 +22,8 @@ struct ServiceOptions {
   unsigned waiting = 64;                         ///< requests that may wait for a slot
   std::size_t cacheBytes = std::size_t{1} << 30; ///< of prepared scenes
   std::chrono::milliseconds deadline{120'000};   ///< of one request; then 504
-  std::vector<std::string> keys{};                 ///< that /v1 asks for; empty: none is asked for
-  std::vector<std::string> hosts{};                ///< names in Host that are answered; empty: all
+  std::vector<std::string> keys{};               ///< that /v1 asks for; empty: none is asked for
+  std::vector<std::string> hosts{};              ///< names in Host that are answered; empty: all
   unsigned connections = 512;
 };
 

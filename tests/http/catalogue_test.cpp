@@ -164,5 +164,14 @@ TEST(Catalogue, LoadsAgainWhatHasChanged) {
   });
 }
 
+TEST(Catalogue, TriesABrokenSceneAgainWhenAnyFileIsMended) {
+  const SceneFolder folder;
+  folder.write("both.scene.json", kScene); // its mesh is missing
+  const auto catalogue = loaded(folder, 20);
+  EXPECT_EQ(catalogue->find("both")->state, SceneState::Failed);
+  folder.addCube("cube.obj");
+  waitUntil([&] { return catalogue->find("both")->state == SceneState::Ready; });
+}
+
 } // namespace
 } // namespace chamfer::http

@@ -226,6 +226,24 @@ TEST_F(Server, ClientThatReadsNothingIsDropped) {
   expectAlive();
 }
 
+TEST_F(Server, UnreadAnswersHaveABound) {
+  ConnectionLimits limits;
+  limits.answerBytes = 1u << 20;
+  start({}, limits);
+  // 8 MB an answer: more than sockets hold, so that each waits for its client.
+  const std::string large =
+      "/v1/scenes/" + idOf("cube") + "/tiles/1024x1024/0,0,1024,1024/0-1.f16?camera=0,0,9,0,0,99,0,1,0,9";
+  std::vector<std::unique_ptr<Connection>> deaf;
+  for (int i = 0; i < 3; ++i) {
+    deaf.push_back(std::make_unique<Connection>(port_));
+    deaf.back()->send(requestText("GET", large));
+  }
+  for (int i = 0; i < 3000 && server_->busyConnections() != 1; ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_EQ(server_->busyConnections(), 1u) << "the last to come is still served";
+  expectAlive();
+}
+
 TEST_F(Server, ClientThatLeavesFreesItsSlotWithinASecond) {
   start({.threads = 1, .slots = 1});
   for (const bool reset : {false, true}) {
