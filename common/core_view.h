@@ -26,10 +26,7 @@ public:
   double boundRadius() const { return record_.boundRadius; }
   std::uint32_t halfEdgeCount() const { return record_.halfEdgeCount; }
 
-  HalfEdge halfEdge(std::uint32_t h) const {
-    if (wide_) return wide_[h];
-    return {packed_[h].sphere, packed_[h].twin, packed_[h].facet};
-  }
+  HalfEdge halfEdge(std::uint32_t h) const { return wide_ ? wide_[h].unpack() : packed_[h].unpack(); }
   const FacetRecord& facet(std::uint32_t local) const { return facets_[local]; }
   Vector3 normal(std::uint32_t facetLocal) const { return Vector3(facets_[facetLocal].normal); }
   Vector3 centre(std::uint32_t sphere) const { return decodeSphere(spheres_[sphere], quantum_); }
@@ -67,7 +64,7 @@ private:
   const SphereRecord* spheres_;
   double quantum_;
   const PackedHalfEdge* packed_;
-  const HalfEdge* wide_;
+  const WideHalfEdge* wide_;
 };
 
 } // namespace chamfer

@@ -16,4 +16,16 @@ SphereRecord encodeSphere(const Vector3& centre, double quantum) {
   return s;
 }
 
+PackedHalfEdge packHalfEdge(const HalfEdge& e) {
+  return {std::uint16_t(e.sphere), std::uint16_t(e.twin), std::uint16_t(e.facet)};
+}
+
+WideHalfEdge packWideHalfEdge(const HalfEdge& e) {
+  WideHalfEdge w{};
+  const std::uint32_t numbers[3] = {e.sphere, e.twin, e.facet};
+  for (int k = 0; k < 9; ++k)
+    w.bytes[k] = std::uint8_t(numbers[k / 3] >> 8 * (k % 3));
+  return w;
+}
+
 } // namespace chamfer

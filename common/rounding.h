@@ -86,7 +86,23 @@ struct HalfEdge {
 /// Storage of half-edges of solids with fewer than 65,536 of them.
 struct PackedHalfEdge {
   std::uint16_t sphere, twin, facet;
+  HalfEdge unpack() const { return {sphere, twin, facet}; }
 };
+
+/// Storage of half-edges of larger solids, 24 bits each, little-endian.
+struct WideHalfEdge {
+  std::uint8_t bytes[9];
+  static constexpr std::uint32_t kLimit = 1u << 24; ///< all three numbers stay below it
+  HalfEdge unpack() const { return {number(0), number(3), number(6)}; }
+
+private:
+  std::uint32_t number(int at) const {
+    return bytes[at] | std::uint32_t(bytes[at + 1]) << 8 | std::uint32_t(bytes[at + 2]) << 16;
+  }
+};
+static_assert(sizeof(PackedHalfEdge) == 6 && sizeof(WideHalfEdge) == 9);
+PackedHalfEdge packHalfEdge(const HalfEdge& e);
+WideHalfEdge packWideHalfEdge(const HalfEdge& e);
 
 /// kd-tree node over a facet's detection cylinders; 8 bytes. An inner node splits the facet's points along
 /// `axis` (0..2) at `split`; its children are `first` and `first + 1`. A leaf holds `count` entries of
@@ -115,7 +131,7 @@ struct RoundingView {
   std::span<const FacetRecord> facets;
   std::span<const SphereRecord> spheres;
   std::span<const PackedHalfEdge> packed; ///< half-edges of the small solids
-  std::span<const HalfEdge> wide;         ///< half-edges of the others
+  std::span<const WideHalfEdge> wide;     ///< half-edges of the others
   std::span<const TreeRoot> treeRoots;
   std::span<const TreeNode> treeNodes;
   std::span<const std::uint32_t> treeLeaves;      ///< local half-edges

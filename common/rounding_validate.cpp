@@ -28,21 +28,22 @@ void checkHalfEdges(const RoundingView& view, std::size_t s, std::span<const Edg
   const std::uint32_t sphereCount = end.firstSphere - solid.firstSphere;
   const auto facets = view.facets.subspan(solid.firstFacet, facetCount);
   for (std::uint32_t h = 0; h < n; ++h) {
-    const Edge& e = edges[h];
+    const HalfEdge e = edges[h].unpack();
     require(e.sphere < sphereCount && e.facet < facetCount && e.twin < n, "a half-edge of solid", s);
-    const Edge& twin = edges[e.twin];
+    const HalfEdge twin = edges[e.twin].unpack();
     require(twin.twin == h && e.twin != h && twin.facet != e.facet && twin.sphere != e.sphere,
             "a twin in solid", s);
     const FacetRecord& facet = facets[e.facet];
-    const bool begins = h == 0 || edges[h - 1].facet != e.facet;
+    const bool begins = h == 0 || edges[h - 1].unpack().facet != e.facet;
     require(!facet.vanished() && (!begins || facet.firstHalfEdge() == h), "a face of solid", s);
-    const std::uint32_t next = h + 1 < n && edges[h + 1].facet == e.facet ? h + 1 : facet.firstHalfEdge();
-    require(next < n && edges[next].sphere == twin.sphere, "a loop of solid", s);
+    const std::uint32_t next =
+        h + 1 < n && edges[h + 1].unpack().facet == e.facet ? h + 1 : facet.firstHalfEdge();
+    require(next < n && edges[next].unpack().sphere == twin.sphere, "a loop of solid", s);
   }
   for (std::uint32_t f = 0; f < facetCount; ++f) {
     require(facets[f].firstHalfEdge() < n, "a facet's start in solid", s);
-    require(facets[f].vanished() || edges[facets[f].firstHalfEdge()].facet == f, "a facet's loop in solid",
-            s);
+    require(facets[f].vanished() || edges[facets[f].firstHalfEdge()].unpack().facet == f,
+            "a facet's loop in solid", s);
   }
 }
 
@@ -78,7 +79,7 @@ void checkTrees(const RoundingView& view) {
       require(first <= view.treeLeaves.size() && node.count <= view.treeLeaves.size() - first, "tree", i);
       for (const std::uint32_t h : view.treeLeaves.subspan(first, node.count)) {
         require(h < solid.halfEdgeCount, "tree", i);
-        const std::uint32_t facet = solid.wide() ? view.wide[solid.halfEdgeStart() + h].facet
+        const std::uint32_t facet = solid.wide() ? view.wide[solid.halfEdgeStart() + h].unpack().facet
                                                  : view.packed[solid.halfEdgeStart() + h].facet;
         require(facet == local, "tree", i);
       }

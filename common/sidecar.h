@@ -33,7 +33,7 @@ struct RoundingArrays {
   std::vector<FacetRecord> facets;
   std::vector<SphereRecord> spheres;
   std::vector<PackedHalfEdge> packed;
-  std::vector<HalfEdge> wide;
+  std::vector<WideHalfEdge> wide;
   std::vector<TreeRoot> treeRoots;
   std::vector<TreeNode> treeNodes;
   std::vector<std::uint32_t> treeLeaves;

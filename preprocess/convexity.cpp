@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 namespace chamfer {
 namespace {
@@ -94,39 +93,60 @@ Surface toSurface(const Hull& hull, const std::vector<Point>& points) {
   return s;
 }
 
-/// Which of a surface's triangles are themselves the hull's, by position: their depth is zero.
-class OnHull {
+/// The hull's facets around each of a surface's vertices, ascending; empty for vertices inside the hull.
+class FacetsAround {
 public:
-  explicit OnHull(const Surface& hull) {
+  FacetsAround(const Surface& surface, const Surface& hull, const Polytope& facets) {
+    std::map<std::array<double, 3>, std::uint32_t> index;
     for (std::uint32_t v = 0; v < hull.positions.size(); ++v)
-      index_.emplace(key(hull.positions[v]), v);
-    for (const auto& t : hull.triangles)
-      triangles_.insert(sorted(t[0], t[1], t[2]));
+      index.emplace(key(hull.positions[v]), v);
+    std::vector<std::vector<std::uint32_t>> around(hull.positions.size());
+    for (std::size_t t = 0; t < hull.triangles.size(); ++t)
+      for (const std::uint32_t v : hull.triangles[t])
+        around[v].push_back(facets.facetOfTriangle[t]);
+    for (auto& list : around) {
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+    around_.resize(surface.positions.size());
+    for (std::size_t v = 0; v < around_.size(); ++v)
+      if (const auto found = index.find(key(surface.positions[v])); found != index.end())
+        around_[v] = around[found->second];
   }
-  std::uint32_t vertex(const Vector3& p) const {
-    const auto found = index_.find(key(p));
-    return found == index_.end() ? 0xffffffffu : found->second;
-  }
-  bool triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    return triangles_.count(sorted(a, b, c)) != 0;
+  /// A facet that all three vertices are corners of, or none.
+  std::optional<std::uint32_t> common(const std::array<std::uint32_t, 3>& t) const {
+    for (const std::uint32_t f : around_[t[0]])
+      if (std::binary_search(around_[t[1]].begin(), around_[t[1]].end(), f) &&
+          std::binary_search(around_[t[2]].begin(), around_[t[2]].end(), f))
+        return f;
+    return std::nullopt;
   }
 
 private:
   static std::array<double, 3> key(const Vector3& p) { return {p.x, p.y, p.z}; }
-  static std::array<std::uint32_t, 3> sorted(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    std::array<std::uint32_t, 3> t{a, b, c};
-    std::sort(t.begin(), t.end());
-    return t;
-  }
-  std::map<std::array<double, 3>, std::uint32_t> index_;
-  std::set<std::array<std::uint32_t, 3>> triangles_;
+  std::vector<std::vector<std::uint32_t>> around_;
 };
+
+/// Local convexity: across every border between two facets the neighbour's triangle stays under the facet's
+/// plane, to rounding. A closed surface of one piece that is convex everywhere locally is convex.
+bool convexAtBorders(const Surface& s, const Polytope& polytope, double tolerance) {
+  // A millionth of a tolerance that is itself about a millionth of the diagonal.
+  const double rounding = 1e-6 * tolerance;
+  for (std::uint32_t e = 0; e < 3 * s.triangles.size(); ++e) {
+    const std::uint32_t other = s.opposite[e];
+    const std::uint32_t f = polytope.facetOfTriangle[e / 3];
+    if (f == polytope.facetOfTriangle[other / 3]) continue;
+    const Plane& plane = polytope.facets[f];
+    for (const std::uint32_t v : s.triangles[other / 3])
+      if (dot(plane.normal, s.positions[v]) > plane.offset + rounding) return false;
+  }
+  return true;
+}
 
 } // namespace
 
 bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance) {
-  const std::size_t work = polytope.facets.size() * surface.positions.size();
-  if (work > 4'000'000 || polytope.facets.size() < 4) return false;
+  if (polytope.facets.size() < 4) return false;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto& v = surface.triangles[t];
     if (polytope.facetOfTriangle[t] >= polytope.facets.size()) return false;
@@ -139,6 +159,8 @@ bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance
         dot(area, polytope.facets[polytope.facetOfTriangle[t]].normal) < 0)
       return false;
   }
+  if (polytope.facets.size() * surface.positions.size() > 4'000'000)
+    return convexAtBorders(surface, polytope, tolerance);
   for (Plane& plane : polytope.facets) {
     double farthest = plane.offset;
     for (const Vector3& p : surface.positions)
@@ -149,7 +171,7 @@ bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance
   return true;
 }
 
-std::optional<HullResult> hullOf(const Surface& surface) {
+std::optional<HullResult> hullOf(const Surface& surface, double planarity) {
   std::vector<Point> points;
   points.reserve(surface.positions.size());
   for (const Vector3& p : surface.positions)
@@ -157,19 +179,17 @@ std::optional<HullResult> hullOf(const Surface& surface) {
   Hull hull;
   CGAL::convex_hull_3(points.begin(), points.end(), hull);
   if (hull.number_of_faces() < 4 || !CGAL::is_closed(hull)) return std::nullopt;
-  HullResult result{toSurface(hull, points), {}};
+  HullResult result{toSurface(hull, points), {}, {}};
+  result.facets = findFacets(result.hull, planarity);
   const double hullVolume = volume6(result.hull);
   if (!(hullVolume > 0)) return std::nullopt;
   result.verdict.coverage = volume6(surface) / hullVolume;
 
   const std::vector<Plane> planes = planesOf(result.hull);
-  const OnHull onHull(result.hull);
-  std::vector<std::uint32_t> name(surface.positions.size());
+  const FacetsAround around(surface, result.hull, result.facets);
   Bounds3 bounds;
-  for (std::size_t v = 0; v < name.size(); ++v) {
-    name[v] = onHull.vertex(surface.positions[v]);
-    bounds.extend(Point3(surface.positions[v]));
-  }
+  for (const Vector3& p : surface.positions)
+    bounds.extend(Point3(p));
   const double scale = bounds.diagonal();
   HullVerdict& verdict = result.verdict;
   const auto consider = [&](const Depth& d, std::size_t t) {
@@ -181,8 +201,7 @@ std::optional<HullResult> hullOf(const Surface& surface) {
   };
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto& v = surface.triangles[t];
-    const std::uint32_t n[3] = {name[v[0]], name[v[1]], name[v[2]]};
-    if (onHull.triangle(n[0], n[1], n[2])) continue;
+    if (around.common(v)) continue;
     const Vector3 a = surface.positions[v[0]], b = surface.positions[v[1]], c = surface.positions[v[2]];
     // The depth is concave along an edge and over a face, so the face's maximum covers its edges and corners.
     consider(depthOfTriangle(planes, a, b - a, c - a, scale), t);
@@ -190,22 +209,27 @@ std::optional<HullResult> hullOf(const Surface& surface) {
   return result;
 }
 
-std::vector<std::uint32_t> nearestFacets(const Surface& surface, const Polytope& polytope) {
-  std::vector<std::uint32_t> nearest(surface.triangles.size(), 0);
+std::vector<std::uint32_t> facetsOnHull(const Surface& surface, const Surface& hull, const Polytope& facets) {
+  const FacetsAround around(surface, hull, facets);
+  std::vector<std::uint32_t> result(surface.triangles.size(), 0);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (const auto common = around.common(surface.triangles[t])) {
+      result[t] = *common;
+      continue;
+    }
     double best = INFINITY;
-    for (std::uint32_t f = 0; f < polytope.facets.size(); ++f) {
-      const Plane& q = polytope.facets[f];
+    for (std::uint32_t f = 0; f < facets.facets.size(); ++f) {
+      const Plane& q = facets.facets[f];
       double deepest = 0;
       for (const std::uint32_t v : surface.triangles[t])
         deepest = std::max(deepest, q.offset - dot(q.normal, surface.positions[v]));
       if (deepest < best) {
         best = deepest;
-        nearest[t] = f;
+        result[t] = f;
       }
     }
   }
-  return nearest;
+  return result;
 }
 
 } // namespace chamfer

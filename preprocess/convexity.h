@@ -11,7 +11,9 @@ namespace chamfer {
 
 /// The cheap and sufficient test for well-made meshes: every vertex under every facet plane, within
 /// `tolerance` (a length), no triangle turned against its facet. Raises the planes' offsets to touch the
-/// farthest vertex. Says "no" also when a surface has too many facets for it to be cheap.
+/// farthest vertex. For a surface with very many facets it is local: every triangle next to a facet's border
+/// under the facet's plane within rounding, which makes a closed surface convex. "No" means that the hull must
+/// judge.
 bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance);
 
 /// What the convex hull says of a surface.
@@ -23,16 +25,16 @@ struct HullVerdict {
 };
 
 struct HullResult {
-  Surface hull; ///< triangulated, outward
+  Surface hull;    ///< triangulated, outward
+  Polytope facets; ///< of the hull
   HullVerdict verdict;
 };
 
 /// Convex hull by CGAL (exact predicates) and the surface's depth below it. Nothing when the points are
-/// coplanar.
-std::optional<HullResult> hullOf(const Surface& surface);
+/// coplanar. `planarity`: the tolerance (a length) for merging the hull's triangles into facets.
+std::optional<HullResult> hullOf(const Surface& surface, double planarity);
 
-/// For each triangle of `surface` the facet of `polytope` (a polytope of its hull) that it lies on or nearest
-/// to.
-std::vector<std::uint32_t> nearestFacets(const Surface& surface, const Polytope& polytope);
+/// For each triangle of `surface` the facet of its hull that all three corners lie on, else the nearest one.
+std::vector<std::uint32_t> facetsOnHull(const Surface& surface, const Surface& hull, const Polytope& facets);
 
 } // namespace chamfer

@@ -22,6 +22,14 @@ std::string lengthText(double value) {
   return text;
 }
 
+/// Frees what only the rounding of the component needed, on the thread that is done with it: for many small
+/// solids freeing costs as much as a stage.
+void releaseSurface(Component& component) {
+  component.positions = {};
+  component.triangles = {};
+  component.opposite = {};
+}
+
 void add(StageTimes& to, const StageTimes& t) {
   to.convexity += t.convexity;
   to.facets += t.facets;
@@ -107,10 +115,11 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
 
   progress("components", 0);
   auto start = Clock::now();
-  const Components components = splitComponents(mesh, options.tolerances, options.threads);
+  Components components = splitComponents(mesh, options.tolerances, options.threads);
   report.times.components = since(start);
   report.counts = components.counts;
   report.warnings = mesh.warnings;
+  report.warnings.insert(report.warnings.end(), components.warnings.begin(), components.warnings.end());
   if (components.list.empty())
     throw Error(ErrorKind::NotConvexSolid, "the mesh has no triangles, so there is no solid to round");
 
@@ -121,8 +130,10 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
   tbb::task_arena arena(options.threads ? int(options.threads) : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i != range.end(); ++i)
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
         solids[i] = roundSolid(components.list[i], options, times.local());
+        releaseSurface(components.list[i]);
+      }
       done += range.size();
       progress("rounding", double(done) / double(count));
     });
@@ -157,6 +168,8 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
     appendSolid(arrays, s, components.list[i].meshTriangle);
     for (const std::uint32_t t : components.list[i].degenerate)
       arrays.facetOfTriangle[t] = firstFacet;
+    for (const auto& [triangle, twin] : components.list[i].duplicates)
+      arrays.facetOfTriangle[triangle] = arrays.facetOfTriangle[twin];
     ++report.solids;
     report.facets += s.facets.size();
     report.roundedEdges += s.core.loops.items.size() / 2;
@@ -174,6 +187,7 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
   }
   if (report.solids == 0) report.maxRadius = 0;
   finishArrays(arrays);
+  arena.execute([&] { tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) { solids[i] = {}; }); });
   report.treeNodes = arrays.treeNodes.size();
   result.rounding = makeRounding(std::move(arrays), geometryDigest(mesh));
   report.times.pack = since(start);

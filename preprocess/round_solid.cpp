@@ -41,7 +41,7 @@ std::optional<Fault> judgeByHull(const Component& component, const PreprocessOpt
                                  const Surface& surface, double diagonal, RoundedSolid& solid,
                                  Polytope& polytope, std::vector<Vector3>& positions) {
   const auto meshTriangle = [&](std::uint32_t t) { return component.meshTriangle[t]; };
-  const auto hull = hullOf(surface);
+  auto hull = hullOf(surface, options.tolerances.planarity * diagonal);
   if (!hull)
     return Fault{FaultKind::Flat, "all its vertices lie in one plane", 0, component.positions.front(),
                  meshTriangle(0)};
@@ -63,7 +63,7 @@ std::optional<Fault> judgeByHull(const Component& component, const PreprocessOpt
                  verdict.coverage, component.positions.front(), meshTriangle(0)};
   solid.depth = relative;
   solid.usedHull = relative > options.tolerances.convexity;
-  polytope = findFacets(hull->hull, options.tolerances.planarity * diagonal);
+  polytope = std::move(hull->facets);
   // Raises each plane to its farthest vertex; a hull passes unless merging went wrong, which the caller sees.
   if (!convexByPlanes(hull->hull, polytope, 8 * options.tolerances.planarity * diagonal)) {
     // Facets of a hull that cannot be told apart well enough to merge: its triangles are its facets.
@@ -71,7 +71,7 @@ std::optional<Fault> judgeByHull(const Component& component, const PreprocessOpt
     convexByPlanes(hull->hull, polytope, options.tolerances.convexity * diagonal);
   }
   positions = hull->hull.positions;
-  solid.facetOfTriangle = nearestFacets(surface, polytope);
+  solid.facetOfTriangle = facetsOnHull(surface, hull->hull, polytope);
   return std::nullopt;
 }
 
@@ -169,6 +169,7 @@ RoundedSolid roundSolid(const Component& component, const PreprocessOptions& opt
   }
   solid.core = std::move(*core);
   solid.facets = std::move(polytope.facets);
+  linkCore(solid);
   times.core += watch.lap();
   solid.trees = buildTrees(solid, surface);
   times.detection += watch.lap();

@@ -22,6 +22,9 @@ struct RoundedSolid {
   double radius = 0, inradius = 0, boundRadius = 0;
   std::vector<Plane> facets;
   Core core;
+  std::vector<HalfEdge> halfEdges; ///< in the order of the core's loops
+  /// First half-edge of each facet's loop, or a start for the walk with FacetRecord::kVanished set.
+  std::vector<std::uint32_t> startOfFacet;
   std::vector<FacetTree> trees;               ///< ascending facet
   std::vector<std::uint32_t> facetOfTriangle; ///< of the component's triangles
   std::size_t cornersOver3 = 0;
@@ -33,6 +36,9 @@ struct RoundedSolid {
 
 /// Never throws for what the component is like: it says so in the result. `times`: thread time is added.
 RoundedSolid roundSolid(const Component& component, const PreprocessOptions& options, StageTimes& times);
+
+/// Fills halfEdges and startOfFacet from the core.
+void linkCore(RoundedSolid& solid);
 
 /// Adds one solid at the end of the arrays; `meshTriangles`: the mesh triangle of each of the solid's. The
 /// arrays' facetOfTriangle must have the mesh's size already.
