@@ -97,13 +97,26 @@ private:
     } while (h != first);
     const std::uint32_t centre = core_.halfEdge(first).sphere;
     if (around.size() == 3) {
-      grid(centre, reversed(arc_[around[2]]), arc_[around[0]], reversed(arc_[around[1]]),
+      // The shortest side is the base: between sides that nearly meet again at its far end, rows stay short.
+      const auto cosine = [&](std::size_t side) {
+        const HalfEdge e = core_.halfEdge(around[side]);
+        return dot(core_.normal(e.facet), core_.normal(core_.halfEdge(e.twin).facet));
+      };
+      std::size_t base = 0;
+      for (std::size_t side = 1; side < 3; ++side)
+        if (cosine(side) > cosine(base)) base = side;
+      const std::uint32_t before = around[(base + 2) % 3], after = around[(base + 1) % 3];
+      grid(centre, reversed(arc_[after]), arc_[before], reversed(arc_[around[base]]),
            core_.halfEdge(first).facet);
       return;
     }
+    // The middle of the outline, not of the corners: those may crowd at one end of a long outline.
     Vector3 sum{0, 0, 0};
-    for (const std::uint32_t g : around)
-      sum += core_.normal(core_.halfEdge(g).facet);
+    for (const std::uint32_t g : around) {
+      const HalfEdge e = core_.halfEdge(g);
+      const Vector3 a = core_.normal(e.facet), b = core_.normal(core_.halfEdge(e.twin).facet);
+      sum += slerp(a, b, 0.5) * std::atan2(length(cross(a, b)), dot(a, b));
+    }
     const Vector3 middle = normalize(sum);
     const std::uint32_t apex = vertex(centre, middle);
     std::vector<Arc> spokes;

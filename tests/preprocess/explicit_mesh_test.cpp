@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <gtest/gtest.h>
-#include <map>
 
 namespace chamfer {
 namespace {
@@ -29,14 +28,15 @@ Totals totals(const ExplicitMesh& mesh) {
 
 /// Every directed edge once and its reverse once.
 bool closedManifold(const ExplicitMesh& mesh) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const auto& t : mesh.triangles)
     for (int k = 0; k < 3; ++k)
-      ++edges[{t[k], t[(k + 1) % 3]}];
-  return std::all_of(edges.begin(), edges.end(), [&](const auto& e) {
-    const auto back = edges.find({e.first.second, e.first.first});
-    return e.second == 1 && back != edges.end();
-  });
+      edges.emplace_back(t[k], t[(k + 1) % 3]);
+  std::sort(edges.begin(), edges.end());
+  return std::adjacent_find(edges.begin(), edges.end()) == edges.end() &&
+         std::all_of(edges.begin(), edges.end(), [&](const auto& e) {
+           return std::binary_search(edges.begin(), edges.end(), std::pair(e.second, e.first));
+         });
 }
 
 TEST(ExplicitMesh, ConvergesToSteinersFormulas) {
@@ -49,16 +49,17 @@ TEST(ExplicitMesh, ConvergesToSteinersFormulas) {
       options.radius.value = share * inradius;
       const auto result = preprocess(mesh, options);
       double coarse[2] = {};
-      for (const unsigned segments : {24u, 96u}) {
+      for (const unsigned segments : {16u, 64u}) {
         const ExplicitMesh rounded = explicitMesh(result.rounding->view(), mesh, segments);
         ASSERT_TRUE(closedManifold(rounded)) << solid.name << " at " << share << " with " << segments;
         const Totals t = totals(rounded);
         const double errors[2] = {std::abs(t.volume / double(truth.volume()) - 1),
                                   std::abs(t.area / double(truth.area()) - 1)};
         for (int k = 0; k < 2; ++k) {
-          // Chords converge with the square of the number of segments: 16 times from 24 to 96.
-          if (segments == 96) {
-            EXPECT_LT(errors[k], coarse[k] / 12 + 2e-5)
+          // Chords converge with the square of the number of segments: 16 times from 16 to 64, less where a
+          // corner spans almost half a turn.
+          if (segments == 64) {
+            EXPECT_LT(errors[k], coarse[k] / 8 + 2e-5)
                 << solid.name << " at " << share << (k ? " area" : " volume");
           }
           EXPECT_LT(errors[k], 0.15) << solid.name << " at " << share << " with " << segments;
