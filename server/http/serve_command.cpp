@@ -65,6 +65,9 @@ ServiceOptions serviceOptions(const ServeCommandOptions& options) {
     service.hosts = {"localhost", "127.0.0.1", "[::1]"};
     service.hosts.push_back(options.host);
     service.hosts.insert(service.hosts.end(), options.allowHosts.begin(), options.allowHosts.end());
+    for (std::string& name : service.hosts) // names are compared in lower case
+      for (char& c : name)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }
   return service;
 }
