@@ -134,6 +134,18 @@ struct Instance {
   Transform objectFromWorld;
 };
 
+/// Nearest float32 not below.
+float above(double t) {
+  const float f = float(t);
+  return double(f) >= t ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
+}
+
+/// A solid whose mesh the ray entered at `t` without meeting its rounded solid there.
+struct Entered {
+  double t = INFINITY;
+  std::uint32_t instance = kNone, solid = kNone;
+};
+
 /// One query: Embree's context, extended by what the filters need. Lives on the caller's stack.
 struct Query {
   RTCIntersectContext context; // first, so that Embree's pointer to it is ours
@@ -147,8 +159,36 @@ struct Query {
   std::uint32_t instance, solid, triangle;
   float u, v;
   bool found;
+  double keep;  ///< tfar may not fall below this
+  double limit; ///< tfar as Embree has it
+  Entered entered[2];
   std::uint32_t frameInstance = kNone; ///< whose frame objectRay is in
   Ray objectRay;
+
+  /// Remembers the first such entry of each of two solids: one of them is not the solid that is hit.
+  void enter(double t, std::uint32_t i, std::uint32_t s) {
+    for (Entered& e : entered) {
+      if (e.instance == i && e.solid == s) {
+        e.t = std::min(e.t, t);
+        return;
+      }
+      if (t < e.t) {
+        if (&e == &entered[0]) entered[1] = e;
+        e = {t, i, s};
+        return;
+      }
+    }
+  }
+  bool enteredBeforeHit() const {
+    for (const Entered& e : entered)
+      if (e.t < best && (e.instance != instance || e.solid != solid)) return true;
+    return false;
+  }
+  /// The tfar to go on with after a hit at `t`.
+  float tfarAfter(double t) {
+    limit = std::min(limit, std::max(t, keep));
+    return above(limit);
+  }
 
   const Ray& rayFor(std::uint32_t i) {
     if (frameInstance != i) {
@@ -158,11 +198,6 @@ struct Query {
     return objectRay;
   }
 };
-
-float above(double t) {
-  const float f = float(t);
-  return double(f) >= t ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
-}
 
 /// What a candidate triangle means for the query: the end of its solid that is hit, or nothing.
 std::optional<RoundedEnd> judge(Query& q, std::uint32_t instance, std::uint32_t facet, float t) {
@@ -175,7 +210,9 @@ std::optional<RoundedEnd> judge(Query& q, std::uint32_t instance, std::uint32_t 
     if (!q.from.inside) return std::nullopt;
     return farEnd(view, candidate, ray);
   }
-  return firstEndBeyond(view, candidate, ray, q.tnear);
+  const auto end = firstEndBeyond(view, candidate, ray, q.tnear);
+  if (!end || end->feature != Feature::Flat) q.enter(double(t), instance, view.facets[facet].solid);
+  return end;
 }
 
 void intersectFilter(const RTCFilterFunctionNArguments* args) {
@@ -191,13 +228,14 @@ void intersectFilter(const RTCFilterFunctionNArguments* args) {
     if (q.from.instance == instance && q.from.triangle == triangle) return;
     if (!(double(ray.tfar) < q.best)) return;
     q.best = double(ray.tfar);
+    ray.tfar = q.tfarAfter(q.best);
   } else {
     const auto end = judge(q, instance, facet, ray.tfar);
     if (!end || !(end->t < q.best) || !(end->t > q.tnear)) return;
     q.best = end->t;
     q.end = *end;
     solid = in.view->facets[facet].solid;
-    ray.tfar = above(end->t);
+    ray.tfar = q.tfarAfter(end->t);
   }
   q.found = true;
   q.instance = instance;
@@ -216,11 +254,35 @@ void occludedFilter(const RTCFilterFunctionNArguments* args) {
   const Instance& in = (*q.instances)[instance];
   const std::uint32_t facet = in.view ? in.view->facetOfTriangle[triangle] : kNone;
   if (facet == kNone) {
-    if (q.from.instance == instance && q.from.triangle == triangle) args->valid[0] = 0;
+    if ((q.from.instance == instance && q.from.triangle == triangle) || !(double(ray.tfar) < q.best))
+      args->valid[0] = 0;
     return;
   }
   const auto end = judge(q, instance, facet, ray.tfar);
   if (!end || !(end->t < q.best) || !(end->t > q.tnear)) args->valid[0] = 0;
+}
+
+struct PointQuery {
+  RTCIntersectContext context;
+  const std::vector<Instance>* instances;
+  Point3 point;
+};
+
+/// Accepts a triangle whose solid's mesh holds the point. A ray from inside a solid meets its far side, so
+/// any ray from the point finds every such solid.
+void insideFilter(const RTCFilterFunctionNArguments* args) {
+  const auto& q = *reinterpret_cast<const PointQuery*>(args->context);
+  const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+  const Instance& in = (*q.instances)[hit.instID[0]];
+  args->valid[0] = 0;
+  if (!in.view || in.view->facetOfTriangle[hit.primID] == kNone) return;
+  const std::uint32_t solid = in.view->facets[in.view->facetOfTriangle[hit.primID]].solid;
+  const SolidRecord &record = in.view->solids[solid], &end = in.view->solids[solid + 1];
+  const Vector3 p =
+      in.objectFromWorld(q.point) - Point3(record.origin[0], record.origin[1], record.origin[2]);
+  for (std::uint32_t f = record.firstFacet; f < end.firstFacet; ++f)
+    if (dot(Vector3(in.view->facets[f].normal), p) > double(in.view->facets[f].offset)) return;
+  args->valid[0] = -1;
 }
 
 class EmbreeTracer final : public Tracer {
@@ -241,6 +303,7 @@ public:
       instances_.push_back(
           {i.rounding ? &i.rounding->view() : nullptr, i.mesh.get(), i.worldFromObject.inverse()});
       attachInstance(i);
+      if (i.rounding) largestDiameter_ = std::max(largestDiameter_, worldDiameter(i));
     }
     scene_.build();
   }
@@ -260,6 +323,17 @@ public:
   bool occluded(const Ray& ray, const RayOrigin& from, double tnear, double tfar) const override {
     Query q = query(ray, from, tnear, tfar, &occludedFilter);
     RTCRay r = embreeRay(q);
+    rtcOccluded1(scene_.get(), &q.context, &r);
+    return r.tfar < 0;
+  }
+
+  bool insideSolid(const Point3& point) const override {
+    PointQuery q;
+    rtcInitIntersectContext(&q.context);
+    q.context.filter = &insideFilter;
+    q.instances = &instances_;
+    q.point = point;
+    RTCRay r = embreeRay(Vector3(point) - centre_, {0.8, 0.5, 0.33166}, 0, largestDiameter_);
     rtcOccluded1(scene_.get(), &q.context, &r);
     return r.tfar < 0;
   }
@@ -313,6 +387,8 @@ private:
     q.tnear = tnear;
     q.best = tfar;
     q.found = false;
+    q.keep = from.maybeInSliver ? tnear + largestDiameter_ / length(ray.direction) : 0;
+    q.limit = std::max(tfar, q.keep);
     // A path that leaves a sharp triangle starts off its plane by what float32 can put on the wrong side of
     // it: the rounding of the origin and of the transforms, a few units in the last place of the largest
     // coordinate involved.
@@ -326,21 +402,41 @@ private:
   }
 
   RTCRay embreeRay(const Query& q) const {
-    const Vector3 o = Vector3(q.ray.origin) - centre_ + q.offset;
+    return embreeRay(Vector3(q.ray.origin) - centre_ + q.offset, q.ray.direction, q.tnear, q.limit);
+  }
+
+  /// `origin` relative to the scene's centre.
+  static RTCRay embreeRay(const Vector3& origin, const Vector3& direction, double tnear, double tfar) {
     RTCRay r;
-    r.org_x = float(o.x);
-    r.org_y = float(o.y);
-    r.org_z = float(o.z);
-    r.dir_x = float(q.ray.direction.x);
-    r.dir_y = float(q.ray.direction.y);
-    r.dir_z = float(q.ray.direction.z);
-    r.tnear = float(q.tnear);
-    r.tfar = above(q.best);
+    r.org_x = float(origin.x);
+    r.org_y = float(origin.y);
+    r.org_z = float(origin.z);
+    r.dir_x = float(direction.x);
+    r.dir_y = float(direction.y);
+    r.dir_z = float(direction.z);
+    r.tnear = float(tnear);
+    r.tfar = above(tfar);
     r.mask = ~0u;
     r.flags = 0;
     r.time = 0;
     r.id = 0;
     return r;
+  }
+
+  /// An upper bound of the diameter of an instance's solids in the world.
+  static double worldDiameter(const TracedInstance& i) {
+    double largest = 0, square = 0;
+    for (const SolidRecord& s : i.rounding->view().solids)
+      largest = std::max(largest, double(s.boundRadius));
+    for (const auto& row : i.worldFromObject.rows())
+      for (std::size_t k = 0; k < 3; ++k)
+        square += row[k] * row[k];
+    return 2 * largest * std::sqrt(square);
+  }
+
+  /// Near an origin that may be in a sliver, the hit may be in the same one.
+  static bool maybeInSliver(const Query& q) {
+    return q.enteredBeforeHit() || (q.from.maybeInSliver && q.from.instance != kNone && q.best < q.keep);
   }
 
   TraceHit roundedHit(const Query& q) const {
@@ -353,7 +449,8 @@ private:
             q.solid,
             q.triangle,
             q.u,
-            q.v};
+            q.v,
+            maybeInSliver(q)};
   }
 
   /// World, unit, outward by the winding of the file (kept under mirroring).
@@ -374,14 +471,15 @@ private:
     const double slope = dot(n, q.ray.direction);
     double exact = dot(n, a - q.ray.origin) / slope;
     if (!(std::abs(exact - q.best) <= 1e-4 * std::abs(q.best)) || !(exact > 0)) exact = q.best;
-    return {exact, q.ray.at(exact), n, Feature::Flat, q.instance, kNone, q.triangle, q.u, q.v};
+    return {exact, q.ray.at(exact), n,   Feature::Flat, q.instance,
+            kNone, q.triangle,      q.u, q.v,           maybeInSliver(q)};
   }
 
   std::vector<TracedInstance> owned_;
   std::vector<Instance> instances_;
   Bounds3 bounds_;
   Vector3 centre_;
-  double reach_ = 0;
+  double reach_ = 0, largestDiameter_ = 0;
   EmbreeScene scene_;
 };
 

@@ -33,6 +33,10 @@ struct RayOrigin {
   std::uint32_t solid = kNone;    ///< kNone: a sharp triangle
   std::uint32_t triangle = kNone;
   bool inside = false; ///< the path goes on inside the solid (transmission): only its far end can be hit
+  /// The origin may lie in the sliver of another solid, behind that solid's mesh and before its rounded
+  /// surface. False spares the search for it. A camera's rays may say false where Tracer::insideSolid says so
+  /// of the eye.
+  bool maybeInSliver = true;
 };
 
 struct TraceHit {
@@ -44,10 +48,12 @@ struct TraceHit {
   std::uint32_t solid;    ///< in the instance's mesh; kNone where sharp
   std::uint32_t triangle; ///< mesh triangle that was met
   float u, v;             ///< barycentric coordinates of the mesh's hit on it
+  bool maybeInSliver =
+      false; ///< the hit may lie in the sliver of another solid (only where solids interpenetrate)
   bool rounded() const { return feature != Feature::Flat; }
   /// The origin for a ray that leaves this hit along `direction`.
   RayOrigin leave(const Vector3& direction) const {
-    return {instance, solid, triangle, dot(direction, normal) < 0};
+    return {instance, solid, triangle, dot(direction, normal) < 0, maybeInSliver};
   }
 };
 
@@ -60,6 +66,8 @@ public:
   /// Is anything hit with t in (tnear, tfar)?
   virtual bool occluded(const Ray& ray, const RayOrigin& from = {}, double tnear = 0,
                         double tfar = INFINITY) const = 0;
+  /// Is the point inside the unmodified mesh of a rounded solid (in its rounded solid or its sliver)?
+  virtual bool insideSolid(const Point3& point) const = 0;
   virtual const Bounds3& bounds() const = 0;   ///< world, of the unmodified meshes
   virtual std::size_t memoryBytes() const = 0; ///< Embree structures and roundings, each counted once
 };

@@ -1,0 +1,216 @@
+// The tracer, Embree and filters included, against the oracle: placed instances under every affine map,
+// solids that touch and interpenetrate, rays from inside and from slivers, and paths that leave the surface
+// they hit.
+#include "server/render/tracer.h"
+
+#include "preprocess/preprocess.h"
+#include "tests/oracle/agreement.h"
+#include "tests/oracle/convex_families.h"
+#include "tests/oracle/ray_samples.h"
+#include "tests/support/mesh_of.h"
+
+#include <gtest/gtest.h>
+#include <iostream>
+
+namespace chamfer {
+namespace {
+
+using oracle::ConvexSolid;
+
+Ray toRay(const oracle::Ray& r) {
+  return {{r.origin.x(), r.origin.y(), r.origin.z()}, {r.direction.x(), r.direction.y(), r.direction.z()}};
+}
+
+Transform toTransform(const oracle::Affine& a) {
+  std::array<std::array<double, 4>, 3> rows{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 4; ++j)
+      rows[std::size_t(i)][std::size_t(j)] = j < 3 ? a.linear(i, j) : a.offset(i);
+  return Transform(rows);
+}
+
+/// Solids, each an instance under its own map, and the truth about all of them.
+struct Placed {
+  oracle::UnionOracle truth;
+  std::vector<TracedInstance> instances;
+  std::vector<oracle::Ray> rays;
+
+  void add(const ConvexSolid& solid, double radius, const oracle::Affine& map, std::size_t rayCount,
+           std::uint64_t seed) {
+    auto mesh = std::make_shared<TriangleMesh>(meshOf(solid));
+    PreprocessOptions options;
+    options.radius.value = radius;
+    instances.push_back({makeTracedMesh(mesh), preprocess(*mesh, options).rounding, toTransform(map)});
+    auto rounded = std::make_shared<oracle::RoundedOracle>(solid, radius);
+    truth.add(rounded, map);
+    oracle::RaySampler sampler(solid, *rounded, seed);
+    for (oracle::Ray ray : sampler.mixed(rayCount)) {
+      ray.origin = map.linear * ray.origin + map.offset;
+      ray.direction = map.linear * ray.direction;
+      ray.tnear = std::max(ray.tnear, 0.0);
+      rays.push_back(ray);
+    }
+  }
+
+  oracle::AgreementReport check() const {
+    const auto tracer = makeTracer(instances);
+    const oracle::Subject subject = [&](const oracle::Ray& ray) -> std::optional<oracle::Answer> {
+      const auto hit = tracer->intersect(toRay(ray), {}, ray.tnear);
+      // The any-hit query must say the same as the closest-hit query.
+      if (tracer->occluded(toRay(ray), {}, ray.tnear) != hit.has_value()) return oracle::Answer{NAN, {0, 0, 0}, oracle::Feature::Flat};
+      if (!hit) return std::nullopt;
+      return oracle::Answer{
+          hit->t, {hit->normal.x, hit->normal.y, hit->normal.z}, oracle::Feature(hit->feature)};
+    };
+    const auto report = oracle::compare(subject, truth, rays);
+    std::cout << report.summary() << "\n";
+    return report;
+  }
+};
+
+oracle::Affine moved(oracle::Affine map, double x, double y, double z) {
+  map.offset = {x, y, z};
+  return map;
+}
+
+oracle::Affine product(const oracle::Affine& a, const oracle::Affine& b) {
+  oracle::Affine c;
+  c.linear = a.linear * b.linear;
+  c.offset = a.linear * b.offset + a.offset;
+  return c;
+}
+
+TEST(Tracer, PlacedInstancesAgreeWithTheOracle) {
+  const oracle::Affine maps[] = {
+      {},
+      moved(oracle::randomRotation(3), 2, 0, 0),
+      moved(oracle::scaling(-1, 1, 1), 0, 3, 0),
+      moved(product(oracle::randomRotation(5), oracle::scaling(2, -0.5, 0.7)), -4, 0, 1),
+      moved(product(oracle::scaling(1, 1, 3), oracle::randomRotation(8)), 0, -5, 0)};
+  for (const auto& map : maps) {
+    Placed scene;
+    scene.add(oracle::hullOnSphere(30, 11), 0.15, map, oracle::rayBudget(12000), 1);
+    const auto report = scene.check();
+    EXPECT_TRUE(report.agrees()) << report.complaint();
+  }
+}
+
+TEST(Tracer, ManyInstancesTogetherAreTheirUnion) {
+  Placed scene;
+  scene.add(oracle::cube(), 0.1, {}, oracle::rayBudget(8000), 1);
+  scene.add(oracle::cube(), 0.1, moved({}, 0.25, 0.1, 1), oracle::rayBudget(8000),
+            2); // touches the first at a face
+  scene.add(oracle::dodecahedron(), 0.2, moved(oracle::randomRotation(4), 0.9, 0.4, 0.3),
+            oracle::rayBudget(8000), 3);
+  scene.add(oracle::prism(7, 0.9), 0.08, moved(oracle::scaling(-0.7, 0.7, 0.7), -0.8, 0, 0.2),
+            oracle::rayBudget(8000), 4);
+  const auto report = scene.check();
+  EXPECT_TRUE(report.agrees()) << report.complaint();
+}
+
+TEST(Tracer, FarFromTheOriginNothingIsLost) {
+  Placed scene;
+  scene.add(oracle::icosahedron(), 0.1, moved(oracle::randomRotation(6), 2e4, -1e4, 3e4),
+            oracle::rayBudget(12000), 1);
+  const auto report = scene.check();
+  EXPECT_TRUE(report.agrees()) << report.complaint();
+}
+
+TEST(Tracer, OneMeshOfManySolidsIsTheirUnion) {
+  // Stacked so that faces and edges coincide, in one file.
+  std::vector<ConvexSolid> solids;
+  oracle::UnionOracle truth;
+  const double radius = 0.07;
+  for (int i = 0; i < 8; ++i)
+    solids.push_back(oracle::transformed(oracle::cube(), moved({}, i & 1, (i >> 1) & 1, i >> 2)));
+  for (const auto& s : solids)
+    truth.add(std::make_shared<oracle::RoundedOracle>(s, radius));
+  auto mesh = std::make_shared<TriangleMesh>(meshOf(solids));
+  PreprocessOptions options;
+  options.radius.value = radius;
+  const auto tracer = makeTracer({{makeTracedMesh(mesh), preprocess(*mesh, options).rounding, {}}});
+  std::vector<oracle::Ray> rays;
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    oracle::RaySampler sampler(solids[i], truth.part(i), 90 + i);
+    for (const auto& ray : sampler.mixed(oracle::rayBudget(3000)))
+      rays.push_back(ray);
+  }
+  const auto report = oracle::compare(
+      [&](const oracle::Ray& ray) -> std::optional<oracle::Answer> {
+        const auto hit = tracer->intersect(toRay(ray), {}, ray.tnear);
+        if (!hit) return std::nullopt;
+        return oracle::Answer{
+            hit->t, {hit->normal.x, hit->normal.y, hit->normal.z}, oracle::Feature(hit->feature)};
+      },
+      truth, rays);
+  EXPECT_TRUE(report.agrees()) << report.complaint();
+}
+
+TEST(Tracer, PathsLeaveAndCrossASolidWithoutMeetingWhereTheyStart) {
+  const ConvexSolid solid = oracle::hullOnSphere(24, 5);
+  const double radius = 0.2;
+  const oracle::RoundedOracle truth(solid, radius);
+  Placed scene;
+  scene.add(solid, radius, moved(oracle::randomRotation(2), 1, 2, 3), 0, 1);
+  const auto tracer = makeTracer(scene.instances);
+  oracle::RaySampler sampler(solid, truth, 77);
+  const oracle::Affine map = moved(oracle::randomRotation(2), 1, 2, 3);
+  std::size_t crossed = 0;
+  for (const auto& base : sampler.sample(oracle::RayKind::Far10, 4000)) {
+    oracle::Ray ray = base;
+    ray.origin = map.linear * ray.origin + map.offset;
+    ray.direction = map.linear * ray.direction;
+    const auto hit = tracer->intersect(toRay(ray));
+    if (!hit) continue;
+    const Vector3 d(ray.direction.x(), ray.direction.y(), ray.direction.z());
+    // Reflected, it never meets the convex solid again, also at grazing angles.
+    const Vector3 reflected = d - hit->normal * (2 * dot(d, hit->normal));
+    if (dot(reflected, hit->normal) > 0) {
+      EXPECT_FALSE(tracer->intersect({hit->position, reflected}, hit->leave(reflected)));
+      EXPECT_FALSE(tracer->occluded({hit->position, reflected}, hit->leave(reflected)));
+    }
+    // Straight on, it leaves where the oracle's interval ends.
+    const auto interval = truth.interval(base);
+    if (!interval || std::abs(double(truth.silhouetteMargin(base))) < 1e-5) continue;
+    const auto out = tracer->intersect({hit->position, d}, hit->leave(d));
+    ASSERT_TRUE(out);
+    ++crossed;
+    EXPECT_NEAR(hit->t + out->t, double(interval->out.t), 2e-6 * truth.diagonal() / length(d) / 0.01);
+    EXPECT_GT(dot(out->normal, d), 0);
+    // And is gone then.
+    EXPECT_FALSE(tracer->intersect({out->position, d}, out->leave(d)));
+  }
+  EXPECT_GT(crossed, 2000u);
+}
+
+TEST(Tracer, SharpTrianglesAreNotMetAgainAtTheirOwnPlane) {
+  auto mesh = std::make_shared<TriangleMesh>(meshOf(oracle::box(200, 200, 1)));
+  const auto tracer = makeTracer({{makeTracedMesh(mesh), nullptr, {}}});
+  oracle::Random random(3);
+  for (int i = 0; i < 4000; ++i) {
+    const Ray down{{random.uniform(-90, 90), random.uniform(-90, 90), 30}, {0.1, 0.2, -1}};
+    const auto hit = tracer->intersect(down);
+    ASSERT_TRUE(hit);
+    const double angle = random.uniform(0, 6.28), rise = std::pow(10.0, -random.uniform(0, 4));
+    const Vector3 along{std::cos(angle), std::sin(angle), rise};
+    EXPECT_FALSE(tracer->intersect({hit->position, along}, hit->leave(along))) << rise;
+  }
+}
+
+TEST(Tracer, MemoryCountsSharedThingsOnce) {
+  auto mesh = std::make_shared<TriangleMesh>(meshOf(oracle::cube()));
+  PreprocessOptions options;
+  options.radius.value = 0.1;
+  const auto traced = makeTracedMesh(mesh);
+  const auto rounding = preprocess(*mesh, options).rounding;
+  const std::size_t one = makeTracer({{traced, rounding, {}}})->memoryBytes();
+  std::vector<TracedInstance> many;
+  for (int i = 0; i < 1000; ++i)
+    many.push_back({traced, rounding, Transform::translate({2.0 * i, 0, 0})});
+  const std::size_t thousand = makeTracer(many)->memoryBytes();
+  EXPECT_GT(one, rounding->bytes());
+  EXPECT_LT(thousand, 1000 * (one + 500));
+}
+
+} // namespace
+} // namespace chamfer
