@@ -1,5 +1,6 @@
 #include "server/render/lights.h"
 
+#include "server/render/spherical_triangle.h"
 #include "server/render/warp.h"
 
 #include <limits>
@@ -20,13 +21,27 @@ double shadowEnd(double reach, double distance, double cosine) {
 /// and a shadow ray towards it would be taken from lights that need one.
 constexpr float kEvenSky = 4;
 
+/// The light as a spherical triangle where it is near enough to look much unlike a distant point (its
+/// directions are then drawn by solid angle: by area, the nearest part would be drawn too seldom), nothing
+/// elsewhere. Depends on triangle and point alone, so that both techniques of multiple importance sampling
+/// agree.
+std::optional<SphericalTriangle> nearTriangle(const EmissiveTriangle& light, const Point3& p) {
+  if (light.solid != kNone) return {};
+  const Vector3 a = light.corner - p, b = a + light.edge1, c = a + light.edge2;
+  const double size = std::max(lengthSquared(light.edge1), lengthSquared(light.edge2));
+  if (lengthSquared(a + b + c) > 9 * 6 * size) return {};
+  const SphericalTriangle s(a, b, c);
+  constexpr double kSmallest = 1e-2, kLargest = 6.2; // beyond, the construction loses its digits
+  if (!(s.solidAngle() > kSmallest && s.solidAngle() < kLargest)) return {};
+  return s;
+}
+
 } // namespace
 
 Lights::Lights(std::shared_ptr<const Environment> environment, std::vector<DistantLight> distant,
-               std::vector<PointLight> points, std::vector<EmissiveTriangle> triangles, const Bounds3& bounds,
-               double reach)
+               std::vector<PointLight> points, Emitters emitters, const Bounds3& bounds, double reach)
     : environment_(std::move(environment)), distant_(std::move(distant)), points_(std::move(points)),
-      triangles_(std::move(triangles)), reach_(reach) {
+      emitters_(std::move(emitters)), reach_(reach) {
   const double radius =
       bounds.empty() ? 1 : std::max(bounds.diagonal() / 2, std::numeric_limits<double>::min());
   const double disk = std::numbers::pi * radius * radius;
@@ -41,7 +56,7 @@ Lights::Lights(std::shared_ptr<const Environment> environment, std::vector<Dista
   for (const PointLight& light : points_)
     power.push_back(4 * std::numbers::pi * luminance(light.intensity));
 
-  for (const EmissiveTriangle& t : triangles_) // both sides
+  for (const EmissiveTriangle& t : emitters_.triangles()) // both sides
     power.push_back(std::numbers::pi * length(cross(t.edge1, t.edge2)) * luminance(t.emission));
   // By power alone, lights that are dim over all but near would starve: every kind of light keeps some
   // chance.
@@ -69,7 +84,7 @@ LightSample Lights::sample(const Point3& p, float choice, const Float2& u) const
   std::size_t index = light.index;
   const std::size_t others = 1 + distant_.size() + points_.size();
   if (index >= others)
-    return sampleTriangle(triangles_[index - others], p, u); // its density has the choice in it
+    return sampleTriangle(std::uint32_t(index - others), p, u); // its density has the choice in it
   LightSample s;
   if (index == 0)
     s = sampleEnvironment(u);
@@ -132,19 +147,53 @@ LightSample Lights::samplePoint(std::size_t index, const Point3& p) const {
   return s;
 }
 
-LightSample Lights::sampleTriangle(const EmissiveTriangle& light, const Point3& p, const Float2& u) const {
-  const Float2 b = warpToTriangle(u);
-  const Point3 target = light.corner + light.edge1 * b.x + light.edge2 * b.y;
+float Lights::triangleChance(std::uint32_t index) const {
+  return choices_.probability(std::uint32_t(1 + distant_.size() + points_.size()) + index);
+}
+
+double Lights::areaPdf(const EmissiveTriangle& light, double distanceSquared, double cosine) const {
+  return luminance(light.emission) * triangleScale_ * distanceSquared / cosine;
+}
+
+LightSample Lights::sampleTriangle(std::uint32_t index, const Point3& p, const Float2& u) const {
+  const EmissiveTriangle& light = emitters_.triangles()[index];
+  const Vector3 normal = cross(light.edge1, light.edge2), corner = light.corner - p;
+  const double height = dot(normal, corner), area2 = length(normal);
   LightSample s;
-  s.toLight = target - p;
-  const double distanceSquared = lengthSquared(s.toLight);
-  const Vector3 normal = cross(light.edge1, light.edge2);
-  const double cosine = std::abs(dot(normal, s.toLight)) / std::sqrt(lengthSquared(normal) * distanceSquared);
+  // Of a rounded solid only what faces the point: from behind it is its own far side.
+  if (light.solid != kNone ? !(height < 0) : height == 0) return s;
+  const std::optional<SphericalTriangle> near = nearTriangle(light, p);
+  if (near) {
+    s.toLight = near->sample(u);
+    s.toLight = s.toLight * (height / dot(normal, s.toLight));
+  } else {
+    const Float2 b = warpToTriangle(u);
+    s.toLight = corner + light.edge1 * double(b.x) + light.edge2 * double(b.y);
+  }
+  const double distanceSquared = lengthSquared(s.toLight), distance = std::sqrt(distanceSquared);
+  const double cosine = std::abs(height) / (area2 * distance);
   if (!(distanceSquared > 0) || !(cosine > 0)) return s;
-  s.tfar = shadowEnd(reach_, std::sqrt(distanceSquared), cosine);
   s.radiance = light.emission;
-  s.pdf = trianglePdf(light.emission, distanceSquared, cosine);
+  s.pdf = float(near ? triangleChance(index) / near->solidAngle() : areaPdf(light, distanceSquared, cosine));
+  s.tfar = shadowEnd(reach_, distance, cosine);
+  s.instance = light.instance;
+  s.solid = light.solid;
   return s;
+}
+
+float Lights::foundPdf(const TraceHit& hit, const Ray& ray) const {
+  if (hit.solid != kNone) {
+    const auto entry = emitters_.entry(hit.instance, hit.solid, ray);
+    const std::uint32_t index = entry ? emitters_.find(hit.instance, hit.triangle) : kNone;
+    if (index == kNone) return 0;
+    return float(areaPdf(emitters_.triangles()[index], entry->t * entry->t, entry->cosine));
+  }
+  const std::uint32_t index = emitters_.find(hit.instance, hit.triangle);
+  if (index == kNone) return 0;
+  const EmissiveTriangle& light = emitters_.triangles()[index];
+  if (const auto near = nearTriangle(light, ray.origin))
+    return float(triangleChance(index) / near->solidAngle());
+  return float(areaPdf(light, hit.t * hit.t, std::abs(dot(ray.direction, hit.normal))));
 }
 
 Color Lights::escaped(const Vector3f& d, float bsdfPdf) const {
@@ -166,8 +215,7 @@ Color Lights::escaped(const Vector3f& d, float bsdfPdf) const {
 }
 
 std::size_t Lights::memoryBytes() const {
-  return triangles_.size() * sizeof(EmissiveTriangle) + choices_.memoryBytes() +
-         (environment_ ? environment_->memoryBytes() : 0);
+  return emitters_.memoryBytes() + choices_.memoryBytes() + (environment_ ? environment_->memoryBytes() : 0);
 }
 
 } // namespace chamfer

@@ -5,7 +5,9 @@
 
 #include "common/vec.h"
 #include "server/render/distribution.h"
+#include "server/render/emitters.h"
 #include "server/render/environment.h"
+#include "server/render/light_sources.h"
 
 #include <memory>
 #include <optional>
@@ -13,31 +15,14 @@
 
 namespace chamfer {
 
-/// A sun: light from a cone of directions, or from exactly one.
-struct DistantLight {
-  Vector3 direction;                 ///< towards the light, unit
-  Color irradiance;                  ///< on a surface that faces it
-  double angularDiameterDegrees = 0; ///< 0: a single direction
-};
-
-struct PointLight {
-  Point3 position;
-  Color intensity; ///< radiant intensity, power per solid angle
-};
-
-/// A sharp emissive triangle in world coordinates; radiates from both sides.
-struct EmissiveTriangle {
-  Point3 corner;
-  Vector3 edge1, edge2; ///< to the other corners
-  Color emission;
-};
-
 struct LightSample {
   Vector3 toLight;    ///< from the receiving point: to a point on the light, or unit towards infinity
   double tfar = 0;    ///< shadow rays along toLight end here (below 1: the light's own surface is left out)
   Color radiance;     ///< arriving if nothing is in the way; over `pdf` for a delta
   float pdf = 0;      ///< 0: no light from here
   bool delta = false; ///< cannot be met by chance: `radiance` is already divided by the density
+  /// A rounded emitter, which shines only if it is the first thing that the ray meets; kNone: another light.
+  std::uint32_t instance = kNone, solid = kNone;
 };
 
 class Lights {
@@ -45,8 +30,7 @@ public:
   /// `bounds`: of what is to be lit; it sets the power of distant lights against that of near ones. `reach`:
   /// extent of all that is traced, which bounds the tracer's errors.
   Lights(std::shared_ptr<const Environment> environment, std::vector<DistantLight> distant,
-         std::vector<PointLight> points, std::vector<EmissiveTriangle> triangles, const Bounds3& bounds,
-         double reach);
+         std::vector<PointLight> points, Emitters emitters, const Bounds3& bounds, double reach);
 
   /// Is there nothing to sample? Light may still be found by chance (an even sky).
   bool empty() const { return choices_.size() == 0; }
@@ -57,18 +41,18 @@ public:
   /// with which the direction was drawn; 0: by a delta or from the camera, so that light sampling has no
   /// share).
   Color escaped(const Vector3f& d, float bsdfPdf) const;
-  /// Density with which sample() finds a point of an emissive triangle, from its emission, the squared
-  /// distance and the cosine there.
-  float trianglePdf(const Color& emission, double distanceSquared, double cosine) const {
-    return float(luminance(emission) * triangleScale_ * distanceSquared / cosine);
-  }
+  /// Density with which sample() would have sent this ray from its origin to the emitter that it hits; 0:
+  /// never. The ray's direction is unit.
+  float foundPdf(const TraceHit& hit, const Ray& ray) const;
   std::size_t memoryBytes() const;
 
 private:
   LightSample sampleEnvironment(const Float2& u) const;
   LightSample sampleDistant(std::size_t index, const Float2& u) const;
   LightSample samplePoint(std::size_t index, const Point3& p) const;
-  LightSample sampleTriangle(const EmissiveTriangle& light, const Point3& p, const Float2& u) const;
+  LightSample sampleTriangle(std::uint32_t index, const Point3& p, const Float2& u) const;
+  double areaPdf(const EmissiveTriangle& light, double distanceSquared, double cosine) const;
+  float triangleChance(std::uint32_t index) const;
   float distantPdf(std::size_t index) const;
   Color coneRadiance(std::size_t index) const;
 
@@ -76,9 +60,9 @@ private:
   std::vector<DistantLight> distant_;
   std::vector<float> oneMinusCos_; ///< of each distant light's cone
   std::vector<PointLight> points_;
-  std::vector<EmissiveTriangle> triangles_;
+  Emitters emitters_;
   double reach_;
-  AliasTable choices_;       ///< environment (if any), distant lights, point lights, triangles
+  AliasTable choices_;       ///< environment (if any), distant lights, point lights, emitters' triangles
   double triangleScale_ = 0; ///< density per area and unit of luminance, choice included
 };
 

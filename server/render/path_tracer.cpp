@@ -48,6 +48,14 @@ private:
   Bsdf bsdf_;
 };
 
+bool PathTracer::reaches(const Vertex& vertex, const LightSample& light) const {
+  const Ray ray{vertex.position(), light.toLight};
+  const RayOrigin from = vertex.leave(light.toLight);
+  if (light.solid == kNone) return !tracer_.occluded(ray, from, 0, light.tfar);
+  const auto hit = tracer_.intersect(ray, from);
+  return hit && hit->instance == light.instance && hit->solid == light.solid;
+}
+
 Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const Float2& u,
                               RayStatistics& statistics) const {
   const LightSample light = lights_.sample(vertex.position(), choice.x, u);
@@ -56,8 +64,7 @@ Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const 
   const BsdfValue scattered = vertex.bsdf().evaluate(wi);
   if (scattered.f.isBlack() || !vertex.sameSide(wi, light.toLight)) return {};
   ++statistics.shadowRays;
-  if (tracer_.occluded({vertex.position(), light.toLight}, vertex.leave(light.toLight), 0, light.tfar))
-    return {};
+  if (!reaches(vertex, light)) return {};
   if (light.delta) return scattered.f * light.radiance;
   return scattered.f * light.radiance * (powerHeuristic(light.pdf, scattered.pdf) / light.pdf);
 }
@@ -79,11 +86,8 @@ Color PathTracer::radiance(Ray ray, const Sampler& sampler, RayStatistics& stati
     if (cosine > 0 && material.transmission > 0 && !material.absorption.isBlack())
       throughput *= transmittance(material.absorption, hit->t);
     if (material.emits()) {
-      // Only sharp triangles are sampled as lights (see Lights): rounded ones are found by scattering alone.
-      const bool sampled = scatterPdf > 0 && hit->solid == kNone;
-      const float lightPdf =
-          sampled ? lights_.trianglePdf(material.emission, hit->t * hit->t, std::abs(cosine)) : 0;
-      sum += throughput * material.emission * (sampled ? powerHeuristic(scatterPdf, lightPdf) : 1);
+      const float lightPdf = scatterPdf > 0 ? lights_.foundPdf(*hit, ray) : 0;
+      sum += throughput * material.emission * (lightPdf > 0 ? powerHeuristic(scatterPdf, lightPdf) : 1);
     }
     if (bounce == maxBounces_) return sum;
 

@@ -22,6 +22,7 @@ public:
 
 private:
   class Vertex;
+  bool reaches(const Vertex& vertex, const LightSample& light) const;
   Color directLight(const Vertex& vertex, const Float2& choice, const Float2& u,
                     RayStatistics& statistics) const;
 

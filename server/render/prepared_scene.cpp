@@ -1,7 +1,6 @@
 #include "server/render/prepared_scene.h"
 
 #include "common/error.h"
-#include "server/render/surface.h"
 
 #include <sstream>
 
@@ -13,35 +12,6 @@ std::string shown(double v) {
   s.precision(9);
   s << v;
   return s.str();
-}
-
-/// World triangles of everything sharp that emits. A rounded emitter lies inside its mesh: light sampling
-/// leaves it out and scattered rays find it.
-std::vector<EmissiveTriangle> emissiveTriangles(const Scene& scene,
-                                                const std::vector<TracedInstance>& instances) {
-  const SceneData& data = *scene.data;
-  std::vector<EmissiveTriangle> list;
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    const InstanceSource& source = data.instanceSource[i];
-    const MeshMaterials& own = data.meshMaterials[source.mesh];
-    if (source.material != kNone ? !data.materials[source.material].emits() : own.ofTriangle.empty())
-      continue;
-    const bool extra = source.mesh >= scene.meshes.size();
-    const TriangleMesh& mesh =
-        *(extra ? data.extraMeshes[source.mesh - scene.meshes.size()] : scene.meshes[source.mesh]).mesh;
-    const Rounding* rounding = instances[i].rounding.get();
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const std::uint32_t id = source.material != kNone ? source.material : own.ofTriangle[t];
-      if (!data.materials[id].emits()) continue;
-      if (rounding && rounding->view().facetOfTriangle[t] != kNone) continue;
-      const Transform& world = instances[i].worldFromObject;
-      const auto& corners = mesh.triangles[t];
-      const Point3 a = world(mesh.positions[corners[0]]);
-      list.push_back({a, world(mesh.positions[corners[1]]) - a, world(mesh.positions[corners[2]]) - a,
-                      data.materials[id].emission});
-    }
-  }
-  return list;
 }
 
 std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, double radius, unsigned threads) {
@@ -92,10 +62,10 @@ PreparedScene::PreparedScene(std::shared_ptr<const Scene> scene,
   const SceneData& data = *scene_->data;
   std::vector<TracedInstance> all = ownInstances();
   all.insert(all.end(), data.extraInstances.begin(), data.extraInstances.end());
-  std::vector<EmissiveTriangle> emissive = emissiveTriangles(*scene_, all);
+  Emitters emitters(*scene_, all);
   tracer_ = makeTracer(std::move(all));
   lights_ = std::make_unique<Lights>(data.environment, data.distantLights, data.pointLights,
-                                     std::move(emissive), scene_->bounds, tracer_->bounds().diagonal());
+                                     std::move(emitters), scene_->bounds, tracer_->bounds().diagonal());
 }
 
 std::vector<TracedInstance> PreparedScene::ownInstances() const {

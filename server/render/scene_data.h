@@ -2,7 +2,8 @@
 // objects.
 #pragma once
 
-#include "server/render/lights.h"
+#include "server/render/environment.h"
+#include "server/render/light_sources.h"
 #include "server/render/material.h"
 #include "server/render/scene.h"
 

@@ -4,7 +4,7 @@
 #include "common/transform.h"
 #include "preprocess/preprocess.h"
 #include "server/render/environment.h"
-#include "server/render/lights.h"
+#include "server/render/light_sources.h"
 #include "server/render/material.h"
 #include "server/render/scene.h"
 

@@ -1,4 +1,7 @@
 // Light whose amount is known exactly: furnaces, closed boxes, direct light in closed form.
+#include "server/render/camera.h"
+#include "server/render/surface.h"
+#include "tests/render/direction_chi_squared.h"
 #include "tests/render/scene_files_fixture.h"
 
 #include <cmath>
@@ -43,6 +46,30 @@ Estimate measure(const std::shared_ptr<const Scene>& scene, const View& view) {
   }
   const double n = view.seeds, mean = sum / n;
   return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1))};
+}
+
+/// The same, one bounce, with lights found by scattered rays alone: a path tracer of the simplest kind.
+Estimate measureByScattering(const std::shared_ptr<const Scene>& scene, const View& view) {
+  const auto prepared = prepare(scene, view.rounding);
+  const Tracer& tracer = ownTracer(*prepared);
+  const CameraRays camera(view.camera, 1, 1);
+  test::UniformNumbers u(11);
+  double sum = 0, squares = 0;
+  const int samples = int(view.samples) * 256;
+  for (int i = 0; i < samples; ++i) {
+    const Ray ray = camera.ray(0.5, 0.5, {});
+    const auto hit = tracer.intersect(ray);
+    double value = 0;
+    if (hit) {
+      const Vector3 d(Frame(Vector3f(hit->normal)).toWorld(warpToCosineHemisphere(u.pair())));
+      const auto light = tracer.intersect({hit->position, d}, hit->leave(d));
+      if (light)
+        value = materialAt(*scene->data, *hit).baseColor.g * materialAt(*scene->data, *light).emission.g;
+    }
+    sum += value / samples;
+    squares += value * value / samples;
+  }
+  return {sum, std::sqrt((squares - sum * sum) / samples)};
 }
 
 Camera lookAt(const Point3& eye, const Point3& target, double vfov) {
@@ -194,6 +221,36 @@ TEST(DirectLight, MatchesClosedForms) {
                floorUnder(R"({"type":"area","center":[0,0,0.5],"u":[1,0,0],"v":[0,1,0],"emission":3})")),
       below);
   EXPECT_TRUE(e.agreesWith(3 * rho * quad)) << e.text() << " truth " << 3 * rho * quad;
+}
+
+TEST(DirectLight, RoundedEmittersAreSampledAsWhatTheyAre) {
+  // A cube of inradius 0.5 rounded by nearly that is a ball: E = pi L (r / d)^2 times the cosine of its
+  // centre.
+  const TemporaryFolder folder;
+  const auto scene = [&](const char* radius) {
+    return loadText(folder,
+                    R"({"meshes":[{"name":"floor","file":"floor.obj"},{"name":"lamp","file":"cube.obj",)" +
+                        std::string(radius) + R"(}],
+      "materials":[{"name":"m","base_color":0.5,"specular":0},{"name":"glow","base_color":0,"specular":0,"emission":4}],
+      "instances":[{"mesh":"floor","material":"m"},
+      {"mesh":"lamp","material":"glow","scale":[1,-1,1],"translate":[1.5,0,1.5]}],
+      "lights":[{"type":"environment","color":0}]})");
+  };
+  const double rho = 0.5 / std::numbers::pi, distance2 = 1.5 * 1.5 + 4, cosine = 2 / std::sqrt(distance2);
+  const double ball = rho * std::numbers::pi * 4 * 0.25 / distance2 * cosine;
+  const Estimate round = measure(scene(R"("radius":0.4999)"), floorView());
+  EXPECT_NEAR(round.mean, ball, 4.5 * round.error + 2e-3 * ball) << round.text();
+  EXPECT_LT(round.error, 0.005 * ball) << "scattered rays alone would do far worse";
+  // Without light sampling (the lamp is seen through scattered rays only) the estimate must be the same.
+  View blind = floorView();
+  blind.samples = 1024;
+  for (const char* radius : {R"("radius":0.2)", R"("rounding":false)"}) {
+    const auto lamp = scene(radius);
+    const Estimate aimed = measure(lamp, floorView());
+    const Estimate found = measureByScattering(lamp, blind);
+    EXPECT_TRUE(std::abs(aimed.mean - found.mean) <= 4.5 * std::hypot(aimed.error, found.error))
+        << radius << " " << aimed.text() << " against " << found.text();
+  }
 }
 
 TEST(DirectLight, RoundedCornersLetLightPast) {

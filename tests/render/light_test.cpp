@@ -1,5 +1,6 @@
 // Environments and lights: samples against densities, and what they add up to against closed forms.
 #include "server/render/lights.h"
+#include "server/render/spherical_triangle.h"
 #include "tests/render/direction_chi_squared.h"
 
 #include <gtest/gtest.h>
@@ -92,10 +93,10 @@ std::pair<double, double> irradiance(const Lights& lights, int samples = 200000)
   return {mean, std::sqrt(std::max(0.0, squares / samples - mean * mean) / samples)};
 }
 
-/// The quad [-1, 1]^2 at height 1 that emits 1.
-std::vector<EmissiveTriangle> quad(float radiance) {
-  return {{{-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, grey(radiance)},
-          {{1, 1, 1}, {-2, 0, 0}, {0, -2, 0}, grey(radiance)}};
+/// The quad [-1, 1]^2 at height 1 that emits.
+Emitters quad(float radiance) {
+  return Emitters({{{-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, grey(radiance), 0, 0},
+                   {{1, 1, 1}, {-2, 0, 0}, {0, -2, 0}, grey(radiance), 0, 1}});
 }
 /// Irradiance below its centre, of four corners each 1 x 1 at distance 1 (form factor of a parallel
 /// rectangle).
@@ -132,31 +133,66 @@ TEST(Lights, TheIrradianceJudgeRejectsALightOneHundredthTooBright) {
 }
 
 TEST(Lights, DensitiesOfFoundAndOfSampledLightsAgree) {
-  const auto white = std::make_shared<Environment>(Environment::image(smallImage(), 1, 0, {0, 0, 1}));
+  const auto image = std::make_shared<Environment>(Environment::image(smallImage(), 1, 0, {0, 0, 1}));
   const DistantLight wideSun{normalize(Vector3(0, 1, 1)), grey(3), 2};
-  const Lights lights(white, {wideSun}, {}, quad(2), unitBounds(), 4);
+  const Lights lights(image, {wideSun}, {}, quad(2), unitBounds(), 4);
   UniformNumbers u(3);
-  int quads = 0;
-  for (int i = 0; i < 20000; ++i) {
-    const float choice = u();
-    const LightSample s = lights.sample({0, 0, 0}, choice, u.pair());
-    ASSERT_GT(s.pdf, 0);
-    if (std::isinf(s.tfar)) continue;
-    ++quads;
-    const double cosine = std::abs(s.toLight.z) / length(s.toLight);
-    EXPECT_NEAR(lights.trianglePdf(grey(2), lengthSquared(s.toLight), cosine), s.pdf, 1e-4 * s.pdf);
-    EXPECT_GT(s.tfar, 0.999);
-    EXPECT_LT(s.tfar, 1);
+  for (const Point3& p :
+       {Point3(0, 0, 0), Point3(0.3, 0.8, 0.95), Point3(4, -7, 30)}) { // near, very near, far
+    int quads = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const float choice = u();
+      const LightSample s = lights.sample(p, choice, u.pair());
+      ASSERT_GT(s.pdf, 0);
+      if (std::isinf(s.tfar)) continue;
+      ++quads;
+      const double distance = length(s.toLight);
+      TraceHit hit{};
+      hit.t = distance;
+      hit.position = p + s.toLight;
+      hit.normal = {0, 0, 1};
+      hit.solid = kNone;
+      EXPECT_NEAR(hit.position.z, 1, 1e-9);
+      EXPECT_LE(std::max(std::abs(hit.position.x), std::abs(hit.position.y)), 1 + 1e-6);
+      hit.triangle = hit.position.x + hit.position.y < 0 ? 0 : 1;
+      if (std::abs(hit.position.x + hit.position.y) < 1e-6) continue; // either
+      EXPECT_NEAR(lights.foundPdf(hit, {p, s.toLight / distance}), s.pdf, 1e-4 * s.pdf);
+      EXPECT_GT(s.tfar, 0.99);
+      EXPECT_LT(s.tfar, 1);
+    }
+    EXPECT_GT(quads, 1000);
   }
-  EXPECT_GT(quads, 1000);
   // escaped() weighs by the density of the same technique: with both weights the parts add up to one.
-  const Environment& e = *white;
-  const Lights alone(white, {}, {}, {}, unitBounds(), 4);
+  const Environment& e = *image;
+  const Lights alone(image, {}, {}, {}, unitBounds(), 4);
   for (int i = 0; i < 1000; ++i) {
     const Vector3f d = u.direction();
     const float bsdfPdf = 0.3f, lightPdf = e.pdf(d);
     const Color seen = alone.escaped(d, bsdfPdf), all = alone.escaped(d, 0);
     EXPECT_NEAR(seen.g, all.g * powerHeuristic(bsdfPdf, lightPdf), 1e-4 * all.g);
+  }
+}
+
+TEST(SphericalTriangle, DirectionsAreUniformOverItsSolidAngle) {
+  const Vector3 octant[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  EXPECT_NEAR(SphericalTriangle(octant[0], octant[1], octant[2]).solidAngle(), std::numbers::pi / 2, 1e-12);
+  const Vector3 cases[][3] = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                              {{3, 1, 0.2}, {-1, 2, 0.2}, {-1, -2, 0.3}}, // nearly a hemisphere
+                              {{1, 0.1, 4}, {0, 1, 4}, {-1, 0, 3}},
+                              {{5, 0, 1}, {5, 0.5, 1.3}, {-2, 3, 4}}};
+  for (const auto& [a, b, c] : cases) {
+    const SphericalTriangle triangle(a, b, c);
+    const Vector3 ab = cross(a, b), bc = cross(b, c), ca = cross(c, a);
+    const double side = dot(ab, c) > 0 ? 1 : -1;
+    const auto result = test::directionChiSquared(
+        [&](UniformNumbers& u) { return std::optional(Vector3f(triangle.sample(u.pair()))); },
+        [&, v = 1 / triangle.solidAngle()](const Vector3f& d) {
+          const Vector3 w(d);
+          // A hair wider than the triangle: cells that it only just misses must not count as impossible.
+          return dot(ab, w) * side > -1e-5 && dot(bc, w) * side > -1e-5 && dot(ca, w) * side > -1e-5 ? v : 0;
+        },
+        100000, 24, 24, 96);
+    EXPECT_GT(result.pValue, test::kSignificance) << result.text();
   }
 }
 

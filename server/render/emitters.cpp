@@ -1,0 +1,136 @@
+#include "server/render/emitters.h"
+
+#include <algorithm>
+
+namespace chamfer {
+namespace {
+
+const TriangleMesh& meshOf(const Scene& scene, std::uint32_t mesh) {
+  const std::size_t own = scene.meshes.size();
+  return *(mesh < own ? scene.meshes[mesh] : scene.data->extraMeshes[mesh - own]).mesh;
+}
+
+/// The material of a triangle of an instance; null where the instance has none that emits.
+const Material* emittingMaterial(const SceneData& data, const InstanceSource& source, std::size_t triangle) {
+  const std::vector<std::uint32_t>& own = data.meshMaterials[source.mesh].ofTriangle;
+  std::uint32_t id = source.material;
+  if (id == kNone) id = own.empty() ? SceneData::kDefaultMaterial : own[triangle];
+  return data.materials[id].emits() ? &data.materials[id] : nullptr;
+}
+
+bool mayEmit(const SceneData& data, const InstanceSource& source) {
+  return source.material == kNone ? !data.meshMaterials[source.mesh].ofTriangle.empty()
+                                  : data.materials[source.material].emits();
+}
+
+/// Which solids can be aimed at through their unrounded surface: the emission must not depend on where a ray
+/// meets it. A component that was rounded as its hull has triangles below P's facets, several of which can
+/// lie behind each other.
+template <class EmissionOf>
+std::vector<bool> solidsToAimAt(const TriangleMesh& mesh, const RoundingView& view, EmissionOf&& emissionOf) {
+  constexpr double kOffFacet = 1e-3; // of the solid's size
+  std::vector<bool> aimedAt(view.solidCount(), true);
+  std::vector<std::optional<Color>> emission(view.solidCount());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (view.facetOfTriangle[t] == kNone) continue;
+    const FacetRecord& facet = view.facets[view.facetOfTriangle[t]];
+    const SolidRecord& solid = view.solids[facet.solid];
+    const Point3 origin(solid.origin[0], solid.origin[1], solid.origin[2]);
+    if (!emission[facet.solid]) emission[facet.solid] = emissionOf(t);
+    bool fits = *emission[facet.solid] == emissionOf(t);
+    for (const std::uint32_t corner : mesh.triangles[t]) {
+      const double height =
+          dot(Vector3(facet.normal), mesh.positions[corner] - origin) - double(facet.offset);
+      fits &= std::abs(height) <= kOffFacet * double(solid.boundRadius);
+    }
+    if (!fits) aimedAt[facet.solid] = false;
+  }
+  return aimedAt;
+}
+
+} // namespace
+
+Emitters::Emitters(const Scene& scene, const std::vector<TracedInstance>& instances) {
+  const SceneData& data = *scene.data;
+  for (std::uint32_t i = 0; i < instances.size(); ++i)
+    if (mayEmit(data, data.instanceSource[i]))
+      addInstance(data, meshOf(scene, data.instanceSource[i].mesh), instances[i], i);
+}
+
+void Emitters::addInstance(const SceneData& data, const TriangleMesh& mesh, const TracedInstance& instance,
+                           std::uint32_t index) {
+  const InstanceSource& source = data.instanceSource[index];
+  const auto emissionOf = [&](std::size_t t) {
+    const Material* material = emittingMaterial(data, source, t);
+    return material ? material->emission : Color();
+  };
+  const RoundingView* view = instance.rounding ? &instance.rounding->view() : nullptr;
+  const auto facetOf = [&](std::size_t t) { return view ? view->facetOfTriangle[t] : kNone; };
+  std::vector<bool> aimedAt;
+  if (view) {
+    aimedAt = solidsToAimAt(mesh, *view, emissionOf);
+    rounded_.emplace(
+        index, RoundedEmitter{view, instance.worldFromObject, instance.worldFromObject.inverse(), aimedAt});
+  }
+  const Transform& world = instance.worldFromObject;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Color emission = emissionOf(t);
+    if (emission.isBlack()) continue;
+    const auto& corners = mesh.triangles[t];
+    const Point3 a = world(mesh.positions[corners[0]]);
+    EmissiveTriangle e{a,
+                       world(mesh.positions[corners[1]]) - a,
+                       world(mesh.positions[corners[2]]) - a,
+                       emission,
+                       index,
+                       t,
+                       kNone};
+    if (const std::uint32_t facet = facetOf(t); facet != kNone) {
+      e.solid = view->facets[facet].solid;
+      if (!aimedAt[e.solid]) continue;
+      const Normal3 outward = world(Normal3(view->facets[facet].normal));
+      if (dot(outward, cross(e.edge1, e.edge2)) < 0) std::swap(e.edge1, e.edge2);
+    }
+    triangles_.push_back(e);
+  }
+}
+
+std::uint32_t Emitters::find(std::uint32_t instance, std::uint32_t triangle) const {
+  const auto key = std::pair(instance, triangle);
+  const auto found = std::lower_bound(
+      triangles_.begin(), triangles_.end(), key,
+      [](const EmissiveTriangle& e, const auto& k) { return std::pair(e.instance, e.triangle) < k; });
+  if (found == triangles_.end() || std::pair(found->instance, found->triangle) != key) return kNone;
+  return std::uint32_t(found - triangles_.begin());
+}
+
+std::optional<Emitters::Entry> Emitters::entry(std::uint32_t instance, std::uint32_t solid,
+                                               const Ray& ray) const {
+  const auto found = rounded_.find(instance);
+  if (found == rounded_.end() || !found->second.aimedAt[solid]) return {};
+  const RoundingView& view = *found->second.view;
+  const SolidRecord& record = view.solids[solid];
+  const Ray local = found->second.objectFromWorld(ray);
+  const Vector3 origin = local.origin - Point3(record.origin[0], record.origin[1], record.origin[2]);
+  double in = 0, out = INFINITY;
+  const FacetRecord* front = nullptr;
+  for (std::uint32_t f = record.firstFacet; f < view.solids[solid + 1].firstFacet; ++f) {
+    const FacetRecord& facet = view.facets[f];
+    const Vector3 n(facet.normal);
+    const double slope = dot(n, local.direction), height = double(facet.offset) - dot(n, origin);
+    if (slope < 0 && height / slope > in) {
+      in = height / slope;
+      front = &facet;
+    } else if (slope > 0) {
+      out = std::min(out, height / slope);
+    } else if (slope == 0 && height < 0) {
+      return {};
+    }
+  }
+  if (!front || in > out) return {};
+  const Vector3 n(found->second.worldFromObject(Normal3(front->normal)));
+  return Entry{in,
+               std::abs(dot(n, ray.direction)) / std::sqrt(lengthSquared(n) * lengthSquared(ray.direction))};
+}
+
+} // namespace chamfer
