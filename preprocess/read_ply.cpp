@@ -69,9 +69,9 @@ public:
     const std::size_t size = sizeOf(kind);
     if (bytes_.size() - at_ < size) fail("the file ends in it, at byte " + std::to_string(bytes_.size()));
     std::array<char, 8> raw{};
-    std::memcpy(raw.data(), bytes_.data() + at_, size);
-    if ((encoding_ == Encoding::Big) != (std::endian::native == std::endian::big))
-      std::reverse(raw.begin(), raw.begin() + std::ptrdiff_t(size));
+    const bool swapped = (encoding_ == Encoding::Big) != (std::endian::native == std::endian::big);
+    for (std::size_t i = 0; i < size; ++i)
+      raw[swapped ? size - 1 - i : i] = bytes_[at_ + i];
     at_ += size;
     const double v = decode(raw, kind);
     if (used && !std::isfinite(v)) fail(std::string(what) + " is not finite");
