@@ -36,10 +36,10 @@ Color value(const Scene& scene, Aov aov, const TraceHit& hit) {
 
 } // namespace
 
-AovSample aovSample(const Scene& scene, const Tracer& tracer, Aov aov, const Ray& ray,
+AovSample aovSample(const Scene& scene, const Tracer& tracer, Aov aov, const Ray& ray, const RayOrigin& from,
                     RayStatistics& statistics) {
   ++statistics.cameraRays;
-  const auto hit = tracer.intersect(ray);
+  const auto hit = tracer.intersect(ray, from);
   if (!hit) return {};
   ++statistics.hits;
   statistics.roundedHits += hit->rounded();

@@ -14,7 +14,7 @@ struct AovSample {
 
 /// Albedo: the base colour. Normal: world, outward, -1..1. Depth: distance from the ray's origin in world
 /// units, in all three channels. Feature: flat (0.25, 0.25, 0.25), cylinder (1, 0.5, 0), sphere (0, 0.5, 1).
-AovSample aovSample(const Scene& scene, const Tracer& tracer, Aov aov, const Ray& ray,
+AovSample aovSample(const Scene& scene, const Tracer& tracer, Aov aov, const Ray& ray, const RayOrigin& from,
                     RayStatistics& statistics);
 
 } // namespace chamfer

@@ -69,10 +69,9 @@ Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const 
   return scattered.f * light.radiance * (powerHeuristic(light.pdf, scattered.pdf) / light.pdf);
 }
 
-Color PathTracer::radiance(Ray ray, const Sampler& sampler, RayStatistics& statistics) const {
+Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayStatistics& statistics) const {
   const SceneData& data = *scene_.data;
   Color sum, throughput = grey(1);
-  RayOrigin from;
   float scatterPdf = 0; // with which the last direction was drawn; 0: delta or camera
   float etaScale = 1;   // undoes the compression of radiance in glass, for Russian roulette only
   ++statistics.cameraRays;

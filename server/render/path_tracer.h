@@ -18,7 +18,8 @@ public:
   /// All must outlive the path tracer. `maxBounces`: scattering events; 0 shows lights only.
   PathTracer(const Scene& scene, const Tracer& tracer, const Lights& lights, unsigned maxBounces)
       : scene_(scene), tracer_(tracer), lights_(lights), maxBounces_(maxBounces) {}
-  Color radiance(Ray ray, const Sampler& sampler, RayStatistics& statistics) const;
+  /// `from`: where the ray starts, as a free point (a camera).
+  Color radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayStatistics& statistics) const;
 
 private:
   class Vertex;

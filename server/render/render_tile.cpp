@@ -53,6 +53,9 @@ public:
         paths_(scene_, tracer_, prepared.lights(), settings.maxBounces),
         columns_((tile.width + kBlock - 1) / kBlock),
         blocks_(columns_ * ((tile.height + kBlock - 1) / kBlock)) {
+    // All rays of a pinhole start at the eye: whether that is in a sliver is asked once.
+    const Camera& camera = settings.camera ? *settings.camera : scene_.camera;
+    from_.maybeInSliver = camera_.usesLens() || tracer_.insideSolid(camera.eye);
     result_.image = {tile.width, tile.height, std::vector<float>(std::size_t(tile.width) * tile.height * 4)};
   }
 
@@ -120,9 +123,9 @@ private:
     const Ray ray = camera_.ray(x + 0.5 + offset.x, y + 0.5 + offset.y, lens);
     AovSample sample;
     if (settings_.aov == Aov::Beauty)
-      sample = {paths_.radiance(ray, sampler, statistics), 1};
+      sample = {paths_.radiance(ray, from_, sampler, statistics), 1};
     else
-      sample = aovSample(scene_, tracer_, settings_.aov, ray, statistics);
+      sample = aovSample(scene_, tracer_, settings_.aov, ray, from_, statistics);
     if (isFinite(sample.value)) return sample;
     ++statistics.nonFiniteSamples;
     return {{}, sample.coverage};
@@ -134,6 +137,7 @@ private:
   const TileRect& tile_;
   const RenderControl& control_;
   CameraRays camera_;
+  RayOrigin from_;
   PathTracer paths_;
   unsigned columns_, blocks_;
   RenderResult result_;

@@ -130,7 +130,7 @@ TEST(Aovs, TellWhatTheFirstHitIs) {
   const auto prepared = prepare(scene, {});
   RayStatistics statistics;
   const auto at = [&](Aov aov, double x, double y) {
-    return aovSample(*scene, ownTracer(*prepared), aov, {{x, y, 3}, {0, 0, -1}}, statistics);
+    return aovSample(*scene, ownTracer(*prepared), aov, {{x, y, 3}, {0, 0, -1}}, {}, statistics);
   };
   EXPECT_EQ(at(Aov::Albedo, 0, 0).value, (Color{0.5f, 0.1f, 0.2f}));
   EXPECT_EQ(at(Aov::Normal, 0, 0).value, (Color{0, 0, 1}));
