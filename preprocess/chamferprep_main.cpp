@@ -1,5 +1,5 @@
 #include "common/error.h"
-#include "preprocess/cli/prep_command.h"
+#include "preprocess/cli/output_paths.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -58,6 +58,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     p.radius = parseRadius(radius);
+    checkOutputs(options);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : exitStatus(ErrorKind::Usage);
   } catch (const Error& e) {

@@ -3,6 +3,7 @@
 
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Core/System/omstream.hh>
 #include <cstdlib>
 #include <string>
 #include <unistd.h>
@@ -41,6 +42,8 @@ void writeExplicitMesh(const std::filesystem::path& path, const ExplicitMesh& me
   temporary.replace_filename("." + path.stem().string() + "." + std::to_string(::getpid()) + ".obj");
   OpenMesh::IO::Options options = OpenMesh::IO::Options::VertexNormal;
   bool written = false;
+  ::omlog().disable(); // the library reports to standard error, success included
+  ::omerr().disable();
   try {
     written = OpenMesh::IO::write_mesh(m, temporary.string(), options, 17);
   } catch (const std::exception&) {

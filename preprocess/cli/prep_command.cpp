@@ -1,6 +1,7 @@
 #include "preprocess/cli/prep_command.h"
 
 #include "common/error.h"
+#include "preprocess/cli/output_paths.h"
 #include "preprocess/explicit_mesh.h"
 
 #include <chrono>
@@ -8,6 +9,7 @@
 #include <iostream>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <unistd.h>
 
 namespace chamfer {
@@ -48,15 +50,6 @@ private:
   Clock::time_point start_ = Clock::now(), last_{};
 };
 
-std::filesystem::path sidecarPath(const PrepCommandOptions& options, const std::filesystem::path& mesh) {
-  std::filesystem::path beside = mesh;
-  beside += ".chamfer";
-  if (options.output.empty()) return beside;
-  if (options.meshes.size() > 1 || std::filesystem::is_directory(options.output))
-    return options.output / beside.filename();
-  return options.output;
-}
-
 Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path& path) {
   const auto seconds = [](Clock::time_point since) {
     return std::chrono::duration<double>(Clock::now() - since).count();
@@ -73,14 +66,20 @@ Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path&
   const PreprocessResult result = preprocess(mesh, preprocessOptions);
   outcome.seconds = seconds(read);
   outcome.report = result.report;
+  // Both files or none: the explicit mesh takes its name once the sidecar is written.
+  std::optional<StagedFile> staged;
   if (!options.explicitMesh.empty()) {
+    if (std::error_code error; std::filesystem::is_directory(options.explicitMesh, error))
+      throw Error(ErrorKind::CannotWrite,
+                  "cannot write " + options.explicitMesh.string() + ": it is a folder");
     const ExplicitMesh rounded = explicitMesh(result.rounding->view(), mesh, options.segments);
     outcome.explicitTriangles = rounded.triangles.size();
-    if (!options.dryRun) writeExplicitMesh(options.explicitMesh, rounded);
+    if (!options.dryRun) writeExplicitMesh(staged.emplace(options.explicitMesh).temporary(), rounded);
   }
   outcome.sidecar = sidecarPath(options, path);
   outcome.sidecarBytes =
       options.dryRun ? serializedSize(*result.rounding) : writeSidecar(outcome.sidecar, *result.rounding);
+  if (staged) staged->commit();
   return outcome;
 }
 
