@@ -47,13 +47,6 @@ public:
   /// true: inside; false: `feature` is replaced by the neighbour.
   bool inCell(CoreFeature& feature, const Vector3& p) const;
 
-  /// Signed distance from `p` to the border between the face of `h` and the edge `h` (positive: the edge's
-  /// side), times the length of the edge.
-  double beyondFace(std::uint32_t h, const Vector3& p) const {
-    const Vector3 a = start(h);
-    return dot(p - a, cross(end(h) - a, normal(halfEdge(h).facet)));
-  }
-
 private:
   bool inFaceCell(CoreFeature& feature, const Vector3& p) const;
   bool inEdgeCell(CoreFeature& feature, const Vector3& p) const;

@@ -19,9 +19,10 @@
 
 namespace chamfer {
 
+/// No index: the facet or solid of a triangle that stays sharp, among others.
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// A triangle or solid that stays sharp has facet / solid kNone.
+/// One rounded solid.
 struct SolidRecord {
   double origin[3];          ///< mesh coordinates of the solid's frame
   float radius;              ///< rounding radius r

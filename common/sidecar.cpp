@@ -20,6 +20,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -185,6 +187,13 @@ std::shared_ptr<const Rounding> readSidecar(const std::filesystem::path& path, c
   return std::make_shared<MappedRounding>(path, expected);
 }
 
+std::shared_ptr<const Rounding> loadSidecar(const std::filesystem::path& path, const Digest* expected) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw Error(ErrorKind::NotFound, "no sidecar " + path.filename().string());
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
+  return parseSidecar(std::as_bytes(std::span(bytes)), expected);
+}
+
 std::shared_ptr<const Rounding> parseSidecar(std::span<const std::byte> bytes, const Digest* expected) {
   return std::make_shared<ParsedRounding>(bytes, expected);
 }
@@ -199,12 +208,13 @@ std::size_t writeSidecar(const std::filesystem::path& path, const Rounding& roun
   const std::vector<std::byte> bytes = serialize(rounding);
   const std::string target = path.string();
   std::string temporary = target + ".XXXXXX";
+  int file = -1;
   const auto fail = [&](const char* step) {
     const std::string why = std::strerror(errno);
-    ::unlink(temporary.c_str());
+    if (file >= 0) ::unlink(temporary.c_str());
     throw Error(ErrorKind::CannotWrite, "cannot " + std::string(step) + " " + target + ": " + why);
   };
-  const int file = ::mkostemp(temporary.data(), O_CLOEXEC);
+  file = ::mkostemp(temporary.data(), O_CLOEXEC);
   if (file < 0) fail("write beside");
   const mode_t mask = ::umask(0);
   ::umask(mask);

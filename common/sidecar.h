@@ -53,6 +53,9 @@ std::size_t serializedSize(const Rounding& rounding);
 /// file's mesh digest.
 std::shared_ptr<const Rounding> readSidecar(const std::filesystem::path& path,
                                             const Digest* expected = nullptr);
+/// The same, read into memory: for whoever must outlive a file that is truncated or overwritten in place.
+std::shared_ptr<const Rounding> loadSidecar(const std::filesystem::path& path,
+                                            const Digest* expected = nullptr);
 /// The same from bytes in memory (fuzzing, tests); they are copied.
 std::shared_ptr<const Rounding> parseSidecar(std::span<const std::byte> bytes,
                                              const Digest* expected = nullptr);

@@ -127,26 +127,11 @@ private:
   std::vector<std::vector<std::uint32_t>> around_;
 };
 
-/// Local convexity: across every border between two facets the neighbour's triangle stays under the facet's
-/// plane, to rounding. A closed surface of one piece that is convex everywhere locally is convex.
-bool convexAtBorders(const Surface& s, const Polytope& polytope, double tolerance) {
-  // A millionth of a tolerance that is itself about a millionth of the diagonal.
-  const double rounding = 1e-6 * tolerance;
-  for (std::uint32_t e = 0; e < 3 * s.triangles.size(); ++e) {
-    const std::uint32_t other = s.opposite[e];
-    const std::uint32_t f = polytope.facetOfTriangle[e / 3];
-    if (f == polytope.facetOfTriangle[other / 3]) continue;
-    const Plane& plane = polytope.facets[f];
-    for (const std::uint32_t v : s.triangles[other / 3])
-      if (dot(plane.normal, s.positions[v]) > plane.offset + rounding) return false;
-  }
-  return true;
-}
-
 } // namespace
 
 bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance) {
-  if (polytope.facets.size() < 4) return false;
+  if (polytope.facets.size() < 4 || polytope.facets.size() * surface.positions.size() > 4'000'000)
+    return false;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto& v = surface.triangles[t];
     if (polytope.facetOfTriangle[t] >= polytope.facets.size()) return false;
@@ -159,8 +144,6 @@ bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance
         dot(area, polytope.facets[polytope.facetOfTriangle[t]].normal) < 0)
       return false;
   }
-  if (polytope.facets.size() * surface.positions.size() > 4'000'000)
-    return convexAtBorders(surface, polytope, tolerance);
   for (Plane& plane : polytope.facets) {
     double farthest = plane.offset;
     for (const Vector3& p : surface.positions)

@@ -11,9 +11,8 @@ namespace chamfer {
 
 /// The cheap and sufficient test for well-made meshes: every vertex under every facet plane, within
 /// `tolerance` (a length), no triangle turned against its facet. Raises the planes' offsets to touch the
-/// farthest vertex. For a surface with very many facets it is local: every triangle next to a facet's border
-/// under the facet's plane within rounding, which makes a closed surface convex. "No" means that the hull must
-/// judge.
+/// farthest vertex. "No" means that the hull must judge, and is the answer also where there are too many
+/// facets for this to be cheap.
 bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance);
 
 /// What the convex hull says of a surface.

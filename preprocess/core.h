@@ -29,10 +29,9 @@ MergeTolerance mergeTolerance(double boundRadius, double inradius, double radius
 std::optional<Core> offsetCore(const Polytope& polytope, std::span<const Vector3> positions, double radius,
                                double shortestEdge);
 
-/// The general path: the hull (CGAL, exact predicates) of the dual points n_f / (d_f - r - n_f . c) about an
-/// inner point c. Vertices nearer than the tolerance are merged. `inner`: the largest ball of the polytope,
-/// of radius above `radius`. Nothing when what is left after merging is not the surface of a polytope (a core
-/// thinner than float32 can tell).
+/// The general path: the hull (CGAL, exact predicates) of the dual points n_f / (d_f - r) about the frame's
+/// origin, which must lie inside E. Vertices nearer than the tolerance are merged. Nothing when what is left
+/// after merging is not the surface of a polytope (a core thinner than its storage can tell).
 std::optional<Core> exactCore(std::span<const Plane> planes, double radius, const MergeTolerance& tolerance);
 
 } // namespace chamfer

@@ -1,4 +1,5 @@
 #include "preprocess/core.h"
+#include "preprocess/disjoint_sets.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
@@ -6,7 +7,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 namespace chamfer {
 namespace {
@@ -29,24 +29,6 @@ std::optional<Vector3> vertexOf(const DualPoint& a, const DualPoint& b, const Du
   if (!isFinite(v)) return std::nullopt;
   return v;
 }
-
-class UnionFind {
-public:
-  explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i)
-      i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
-private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// E before merging: a vertex per hull triangle, the cycle of triangles around each facet's dual point. The
 /// hull comes in an order that differs from run to run, and so does this.
@@ -172,7 +154,7 @@ std::optional<Vector3> vertexOfMany(const RawCore& raw, std::span<const Plane> p
 }
 
 std::optional<Core> merged(const RawCore& raw, std::span<const Plane> planes, double tolerance) {
-  UnionFind sets(raw.vertices.size());
+  DisjointSets sets(raw.vertices.size());
   for (const auto& [a, b] : raw.edges)
     if (lengthSquared(raw.vertices[a] - raw.vertices[b]) <= tolerance * tolerance) sets.join(a, b);
   // A merged vertex is known by its facets; in their order it gets its number.

@@ -1,7 +1,9 @@
 #include "preprocess/detection_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <queue>
 
 namespace chamfer {
 namespace {
@@ -17,9 +19,6 @@ struct Rectangle {
   double lower[2], upper[2];
   double highest(const Line& l) const {
     return l.at(l.u > 0 ? upper[0] : lower[0], l.v > 0 ? upper[1] : lower[1]);
-  }
-  double lowest(const Line& l) const {
-    return l.at(l.u > 0 ? lower[0] : upper[0], l.v > 0 ? lower[1] : upper[1]);
   }
 };
 
@@ -46,47 +45,103 @@ public:
       root_.upper[k] = domain.upper[axes_[k]];
     }
     slack_ = 1e-6 * domain.diagonal(); // float32 storage of centres and splits
-    depthLimit_ = 4 + 2 * int(std::ceil(std::log2(double(loop.size()))));
   }
 
   DetectionTree run() {
+    // The fullest leaf is split next, until the tree has an inner node for every two cylinders: what is left
+    // unsplit stays a longer leaf, so that the file stays small whatever the shape.
+    std::priority_queue<Part, std::vector<Part>, FewerLines> open;
+    const std::size_t budget = lines_.size() / 2;
     tree_.nodes.emplace_back();
-    fill(0, root_, lines_, 0);
+    open.push({0, root_, pruned(root_, lines_), 0});
+    std::vector<Part> leaves;
+    for (std::size_t splits = 0; !open.empty();) {
+      Part part = open.top();
+      open.pop();
+      if (part.lines.size() <= kLeaf || part.idle == kIdle || splits == budget) {
+        leaves.push_back(std::move(part));
+        continue;
+      }
+      ++splits;
+      split(part, open);
+    }
+    for (const Part& leaf : leaves) {
+      tree_.nodes[leaf.node].count = std::uint32_t(leaf.lines.size());
+      tree_.nodes[leaf.node].bits = std::uint32_t(tree_.leaves.size()) << 2 | 3u;
+      for (const Line& l : leaf.lines)
+        tree_.leaves.push_back(l.halfEdge);
+    }
     return std::move(tree_);
   }
 
 private:
-  void fill(std::uint32_t node, const Rectangle& part, const std::vector<Line>& candidates, int depth) {
-    double surely = 0;
-    for (const Line& l : candidates)
-      surely = std::max(surely, part.lowest(l));
+  static constexpr std::size_t kLeaf = 6;
+  static constexpr int kIdle = 4; ///< splits in a row that took hardly anything away
+
+  struct Part {
+    std::uint32_t node;
+    Rectangle area;
+    std::vector<Line> lines;
+    int idle;
+  };
+  struct FewerLines {
+    bool operator()(const Part& a, const Part& b) const {
+      return a.lines.size() != b.lines.size() ? a.lines.size() < b.lines.size() : a.node > b.node;
+    }
+  };
+
+  /// The lines that can be the deepest, and beyond their tangent at all, at some point of the area. A line is
+  /// left out when one that is the deepest at a corner or the middle is as deep or deeper at all four
+  /// corners, so everywhere.
+  std::vector<Line> pruned(const Rectangle& area, const std::vector<Line>& candidates) const {
+    const double x[3] = {area.lower[0], area.upper[0], 0.5 * (area.lower[0] + area.upper[0])};
+    const double y[3] = {area.lower[1], area.upper[1], 0.5 * (area.lower[1] + area.upper[1])};
+    std::array<Line, 5> deepest{};
+    for (std::size_t k = 0; k < 5; ++k) {
+      const double px = x[k == 4 ? 2 : k & 1], py = y[k == 4 ? 2 : k >> 1];
+      double depth = -INFINITY;
+      for (const Line& l : candidates)
+        if (const double there = l.at(px, py); there > depth) {
+          depth = there;
+          deepest[k] = l;
+        }
+    }
+    const auto dominated = [&](const Line& l) {
+      return std::any_of(deepest.begin(), deepest.end(), [&](const Line& m) {
+        if (m.halfEdge == l.halfEdge) return false;
+        for (std::size_t k = 0; k < 4; ++k)
+          if (m.at(x[k & 1], y[k >> 1]) < l.at(x[k & 1], y[k >> 1])) return false;
+        return true;
+      });
+    };
     std::vector<Line> kept;
     for (const Line& l : candidates)
-      if (part.highest(l) >= surely - slack_) kept.push_back(l);
-    if (kept.size() <= 4 || depth == depthLimit_) {
-      tree_.nodes[node].count = std::uint32_t(kept.size());
-      tree_.nodes[node].bits = std::uint32_t(tree_.leaves.size()) << 2 | 3u;
-      for (const Line& l : kept)
-        tree_.leaves.push_back(l.halfEdge);
-      return;
-    }
-    const int k = part.upper[0] - part.lower[0] >= part.upper[1] - part.lower[1] ? 0 : 1;
-    const float split = float(0.5 * (part.lower[k] + part.upper[k]));
+      if (area.highest(l) >= -slack_ && !dominated(l)) kept.push_back(l);
+    return kept;
+  }
+
+  template <class Queue>
+  void split(const Part& part, Queue& open) {
+    const Rectangle& area = part.area;
+    const int k = area.upper[0] - area.lower[0] >= area.upper[1] - area.lower[1] ? 0 : 1;
+    const float at = float(0.5 * (area.lower[k] + area.upper[k]));
     const auto children = std::uint32_t(tree_.nodes.size());
     tree_.nodes.resize(tree_.nodes.size() + 2);
-    tree_.nodes[node].split = split;
-    tree_.nodes[node].bits = children << 2 | std::uint32_t(axes_[k]);
-    Rectangle below = part, above = part;
-    below.upper[k] = above.lower[k] = double(split);
-    fill(children, below, kept, depth + 1);
-    fill(children + 1, above, kept, depth + 1);
+    tree_.nodes[part.node].split = at;
+    tree_.nodes[part.node].bits = children << 2 | std::uint32_t(axes_[k]);
+    Rectangle below = area, above = area;
+    below.upper[k] = above.lower[k] = double(at);
+    for (const auto& [node, half] : {std::pair(children, below), std::pair(children + 1, above)}) {
+      std::vector<Line> lines = pruned(half, part.lines);
+      const bool idle = 10 * lines.size() > 9 * part.lines.size();
+      open.push({node, half, std::move(lines), idle ? part.idle + 1 : 0});
+    }
   }
 
   std::size_t axes_[2];
   std::vector<Line> lines_;
   Rectangle root_;
   double slack_;
-  int depthLimit_;
   DetectionTree tree_;
 };
 

@@ -17,9 +17,10 @@ struct DetectionTree {
 
 /// Tree for points of one facet, which lie within `domain` (solid's frame). `loop`: E's vertices around the
 /// facet's face; the half-edges are firstHalfEdge, firstHalfEdge + 1, ... in the loop's order. A node is
-/// split along the longer side of its part of the facet; a leaf keeps the cylinders that can be the deepest
-/// one at some point of it, so that both the zone test and the start of the walk are right with the leaf
-/// alone.
+/// split along the longer side of its part of the facet, the fullest first; a leaf keeps the cylinders that
+/// can be the deepest one at some point of it, so that both the zone test and the start of the walk are right
+/// with the leaf alone. The size is linear in the loop: where splitting does not separate the cylinders (they
+/// may all meet in one place) a leaf stays long.
 DetectionTree buildDetectionTree(const Plane& facet, std::span<const Vector3> vertices,
                                  std::span<const std::uint32_t> loop, std::uint32_t firstHalfEdge,
                                  const Bounds3& domain);

@@ -29,12 +29,19 @@ std::vector<HalfEdge> linkHalfEdges(const Core& core, const Lists& leaving) {
       edges[h] = {loops.items[h], kNone, f};
       endOf[h] = loops.items[h + 1 < loops.start[f + 1] ? h + 1 : loops.start[f]];
     }
+  // From the end where fewer edges meet, so that the apex of a cone is not searched once for each of its
+  // edges.
   for (std::uint32_t h = 0; h < edges.size(); ++h) {
-    for (const std::uint32_t back : leaving[endOf[h]])
-      if (endOf[back] == edges[h].sphere) edges[h].twin = back;
-    if (edges[h].twin == kNone)
-      throw Error(ErrorKind::Internal, "an edge of a solid's core has one side only");
+    const std::uint32_t from = edges[h].sphere, to = endOf[h];
+    if (leaving[to].size() > leaving[from].size()) continue;
+    for (const std::uint32_t back : leaving[to])
+      if (endOf[back] == from) {
+        edges[h].twin = back;
+        edges[back].twin = h;
+      }
   }
+  for (const HalfEdge& e : edges)
+    if (e.twin == kNone) throw Error(ErrorKind::Internal, "an edge of a solid's core has one side only");
   return edges;
 }
 
@@ -65,6 +72,10 @@ void linkCore(RoundedSolid& solid) {
   const Lists& loops = solid.core.loops;
   const Lists leaving = outgoing(solid.core);
   solid.halfEdges = linkHalfEdges(solid.core, leaving);
+  if (solid.halfEdges.size() >= WideHalfEdge::kLimit)
+    throw Error(ErrorKind::OutOfRange, "a solid would have " + std::to_string(solid.halfEdges.size() / 2) +
+                                           " rounded edges; one solid may have up to " +
+                                           std::to_string(WideHalfEdge::kLimit / 2 - 1) + ": simplify it");
   solid.startOfFacet.reserve(loops.size());
   std::uint32_t top = 0;
   for (std::uint32_t f = 0; f < loops.size(); ++f) {

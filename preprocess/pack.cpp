@@ -1,9 +1,23 @@
+#include "common/error.h"
 #include "preprocess/round_solid.h"
 
 #include <cmath>
 #include <limits>
 
 namespace chamfer {
+namespace {
+
+/// Offsets into the whole mesh's arrays have 30 bits in a tree's nodes and 31 in a solid's record.
+void checkTotals(const RoundingArrays& arrays) {
+  constexpr std::size_t kTree = std::size_t(1) << 30, kOther = std::size_t(1) << 31;
+  if (arrays.treeNodes.size() >= kTree || arrays.treeLeaves.size() >= kTree ||
+      arrays.packed.size() >= kOther || arrays.wide.size() >= kOther || arrays.spheres.size() >= kOther ||
+      arrays.facets.size() >= kOther)
+    throw Error(ErrorKind::OutOfRange,
+                "the mesh is too large for one sidecar (2^31 half-edges): split it into several files");
+}
+
+} // namespace
 void appendSolid(RoundingArrays& arrays, const RoundedSolid& solid,
                  std::span<const std::uint32_t> meshTriangles) {
   const std::vector<HalfEdge>& edges = solid.halfEdges;
@@ -52,6 +66,7 @@ void appendSolid(RoundingArrays& arrays, const RoundedSolid& solid,
 }
 
 void finishArrays(RoundingArrays& arrays) {
+  checkTotals(arrays);
   SolidRecord end{};
   end.firstFacet = std::uint32_t(arrays.facets.size());
   end.firstSphere = std::uint32_t(arrays.spheres.size());

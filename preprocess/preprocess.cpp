@@ -61,18 +61,26 @@ void add(StageTimes& to, const StageTimes& t) {
       .with("z", fault.place.z);
 }
 
-[[noreturn]] void refuseRadius(const std::vector<RoundedSolid>& solids) {
+/// The component whose radius is farthest beyond what it admits.
+[[noreturn]] void refuseRadius(const std::vector<RoundedSolid>& solids, const Radius& asked) {
   std::size_t worst = solids.size(), count = 0;
   for (std::size_t i = 0; i < solids.size(); ++i)
     if (solids[i].radiusTooLarge) {
       ++count;
-      if (worst == solids.size() || solids[i].inradius < solids[worst].inradius) worst = i;
+      if (worst == solids.size() ||
+          solids[i].inradius * solids[worst].radius < solids[worst].inradius * solids[i].radius)
+        worst = i;
     }
   const RoundedSolid& s = solids[worst];
   const double largest = 0.999 * s.inradius;
   std::string message = "radius " + lengthText(s.radius) + " is too large for solid " +
                         std::to_string(worst + 1) + ", whose inradius is " + lengthText(s.inradius) +
                         ": the largest radius that works is " + lengthText(largest);
+  if (asked.relative)
+    message += ", " + lengthText(100 * asked.value * largest / s.radius) + "% of its diagonal";
+  if (s.radius < largest) // within the limit, and yet no core: thinner than its storage
+    message = "solid " + std::to_string(worst + 1) + " has no core that can be stored at radius " +
+              lengthText(s.radius) + ": it is too thin there; take a smaller radius";
   if (count > 1) message += " (" + std::to_string(count) + " solids are too small)";
   message += ". --clamp 0.9 rounds each solid with at most 0.9 of its own inradius";
   throw Error(ErrorKind::RadiusTooLarge, message)
@@ -141,15 +149,12 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
   for (const StageTimes& t : times)
     add(report.times, t);
 
-  const bool keepSharp = options.onNonConvex != OnNonConvex::Error;
   const auto any = [&](auto&& what) { return std::any_of(solids.begin(), solids.end(), what); };
-  if (!keepSharp && any([](const RoundedSolid& s) { return s.fault.has_value(); }))
-    refuseFaults(components, solids);
   // "hull" rounds closed components; one that is not even closed has no inside and is still refused.
-  if (options.onNonConvex == OnNonConvex::Hull &&
+  if (options.onNonConvex != OnNonConvex::Sharp &&
       any([](const RoundedSolid& s) { return s.fault.has_value(); }))
     refuseFaults(components, solids);
-  if (any([](const RoundedSolid& s) { return s.radiusTooLarge; })) refuseRadius(solids);
+  if (any([](const RoundedSolid& s) { return s.radiusTooLarge; })) refuseRadius(solids, options.radius);
 
   progress("packing", 0);
   start = Clock::now();

@@ -90,20 +90,22 @@ void recentre(RoundedSolid& solid, const Vector3& to, Polytope& polytope, std::v
 }
 
 std::vector<FacetTree> buildTrees(const RoundedSolid& solid, const Surface& surface) {
-  std::vector<FacetTree> trees;
   const Lists& loops = solid.core.loops;
+  std::vector<FacetTree> trees;
+  std::vector<Bounds3> domains; // by facet, once any is wanted
   for (std::uint32_t f = 0; f < loops.size(); ++f) {
     const auto loop = loops[f];
     if (loop.size() <= kLoopIsLeaf) continue;
-    Bounds3 domain;
-    for (std::size_t t = 0; t < solid.facetOfTriangle.size(); ++t)
-      if (solid.facetOfTriangle[t] == f)
+    if (domains.empty()) {
+      domains.resize(loops.size());
+      for (std::size_t t = 0; t < solid.facetOfTriangle.size(); ++t)
         for (const std::uint32_t v : surface.triangles[t])
-          domain.extend(Point3(surface.positions[v]));
+          domains[solid.facetOfTriangle[t]].extend(Point3(surface.positions[v]));
+    }
     for (const std::uint32_t v : loop)
-      domain.extend(Point3(solid.core.vertices[v] + solid.facets[f].normal * solid.radius));
+      domains[f].extend(Point3(solid.core.vertices[v] + solid.facets[f].normal * solid.radius));
     trees.push_back(
-        {f, buildDetectionTree(solid.facets[f], solid.core.vertices, loop, loops.start[f], domain)});
+        {f, buildDetectionTree(solid.facets[f], solid.core.vertices, loop, loops.start[f], domains[f])});
   }
   return trees;
 }

@@ -34,7 +34,8 @@ struct RoundedSolid {
   bool radiusTooLarge = false; ///< inradius is set
 };
 
-/// Never throws for what the component is like: it says so in the result. `times`: thread time is added.
+/// What the component is like is said in the result; throws Error(OutOfRange) only for more edges than can be
+/// stored. `times`: thread time is added.
 RoundedSolid roundSolid(const Component& component, const PreprocessOptions& options, StageTimes& times);
 
 /// Fills halfEdges and startOfFacet from the core.

@@ -91,7 +91,11 @@ LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>&
   const bool hasSidecar = !d.staysSharp && fs::is_regular_file(sidecar, error);
   if (hasSidecar) {
     try {
-      m.rounding = readSidecar(sidecar, &g.geometry);
+      m.rounding = loadSidecar(sidecar, &g.geometry);
+      if (m.rounding->view().facetOfTriangle.size() != g.mesh->triangles.size())
+        throw Error(ErrorKind::DamagedSidecar,
+                    "the sidecar is damaged: it does not have the mesh's number of "
+                    "triangles; run chamferprep on the mesh again");
     } catch (const Error& e) {
       if (!d.radius) throw;
       warnings.push_back(where + "the sidecar is not used, the mesh was rounded on load: " + e.what());
