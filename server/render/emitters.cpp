@@ -23,6 +23,26 @@ bool mayEmit(const SceneData& data, const InstanceSource& source) {
                                   : data.materials[source.material].emits();
 }
 
+/// 1 when the mesh closes a volume with all triangles turned outward, -1 when inward, 0 when it is not
+/// closed: every edge must be used once in each direction.
+int closedTurning(const TriangleMesh& mesh) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> forward, backward;
+  double volume = 0;
+  for (const auto& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      forward.emplace_back(t[k], t[(k + 1) % 3]);
+      backward.emplace_back(t[(k + 1) % 3], t[k]);
+    }
+    const Vector3 origin(mesh.positions[mesh.triangles[0][0]]); // near the mesh, for the sake of digits
+    const Vector3 a = Vector3(mesh.positions[t[0]]) - origin, b = Vector3(mesh.positions[t[1]]) - origin;
+    volume += dot(cross(a, b), Vector3(mesh.positions[t[2]]) - origin);
+  }
+  std::sort(forward.begin(), forward.end());
+  std::sort(backward.begin(), backward.end());
+  if (forward != backward || std::adjacent_find(forward.begin(), forward.end()) != forward.end()) return 0;
+  return volume > 0 ? 1 : volume < 0 ? -1 : 0;
+}
+
 /// Which solids can be aimed at through their unrounded surface: the emission must not depend on where a ray
 /// meets it. A component that was rounded as its hull has triangles below P's facets, several of which can
 /// lie behind each other.
@@ -73,6 +93,7 @@ void Emitters::addInstance(const SceneData& data, const TriangleMesh& mesh, cons
         index, RoundedEmitter{view, instance.worldFromObject, instance.worldFromObject.inverse(), aimedAt});
   }
   const Transform& world = instance.worldFromObject;
+  const double turning = view ? 0 : closedTurning(mesh) * world.determinant();
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Color emission = emissionOf(t);
     if (emission.isBlack()) continue;
@@ -85,7 +106,13 @@ void Emitters::addInstance(const SceneData& data, const TriangleMesh& mesh, cons
                        index,
                        t,
                        kNone};
+    if (lengthSquared(cross(e.edge1, e.edge2)) == 0) continue; // nothing to aim at
+    if (turning != 0) {
+      e.oneSided = true;
+      if (turning < 0) std::swap(e.edge1, e.edge2);
+    }
     if (const std::uint32_t facet = facetOf(t); facet != kNone) {
+      e.oneSided = true;
       e.solid = view->facets[facet].solid;
       if (!aimedAt[e.solid]) continue;
       const Normal3 outward = world(Normal3(view->facets[facet].normal));
@@ -102,6 +129,17 @@ std::uint32_t Emitters::find(std::uint32_t instance, std::uint32_t triangle) con
       [](const EmissiveTriangle& e, const auto& k) { return std::pair(e.instance, e.triangle) < k; });
   if (found == triangles_.end() || std::pair(found->instance, found->triangle) != key) return kNone;
   return std::uint32_t(found - triangles_.begin());
+}
+
+Emitters::Ball Emitters::ball(std::uint32_t instance, std::uint32_t solid) const {
+  const RoundedEmitter& r = rounded_.at(instance);
+  const SolidRecord& record = r.view->solids[solid];
+  const auto& m = r.worldFromObject.rows();
+  double stretch = 0; // Frobenius norm: no direction grows by more
+  for (const auto& row : m)
+    stretch += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
+  return {r.worldFromObject(Point3(record.origin[0], record.origin[1], record.origin[2])),
+          double(record.boundRadius) * std::sqrt(stretch)};
 }
 
 std::optional<Emitters::Entry> Emitters::entry(std::uint32_t instance, std::uint32_t solid,

@@ -1,10 +1,11 @@
 // Everything of a scene's objects that emits, as triangles to aim at.
 //
-// A sharp emitter is its triangles, radiating from both sides. A rounded one lies inside its mesh's solid P:
-// it is aimed at through P's triangles that face the receiving point. A point outside of P sees the convex P
-// through exactly one of them, so the density of a direction is known without knowing where R is met; rays
-// that miss R between P's surface and its rounding find nothing. Points inside P are not aimed at from (what
-// they see is found by scattered rays).
+// A sharp emitter is its triangles, radiating from both sides; where they close a volume they are aimed at
+// from its outside alone. A rounded one lies inside its mesh's solid P: it is aimed at through P's triangles
+// that face the receiving point. A point outside of P sees the convex P through exactly one of them, so the
+// density of a direction is known without knowing where R is met; rays that miss R between P's surface and
+// its rounding find nothing. Points inside P are not aimed at from (what they see is found by scattered
+// rays).
 #pragma once
 
 #include "server/render/scene_data.h"
@@ -17,10 +18,12 @@ namespace chamfer {
 
 struct EmissiveTriangle {
   Point3 corner;        ///< world
-  Vector3 edge1, edge2; ///< to the other corners; of a rounded solid cross(edge1, edge2) is outward
+  Vector3 edge1, edge2; ///< to the other corners
   Color emission;       ///< radiance
   std::uint32_t instance = kNone, triangle = kNone;
   std::uint32_t solid = kNone; ///< kNone: sharp
+  bool oneSided =
+      false; ///< aimed at only from where cross(edge1, edge2) points: the other side is its own inside
 };
 
 class Emitters {
@@ -42,6 +45,12 @@ public:
   };
   /// Nothing when the ray starts inside or misses, or the solid is not aimed at.
   std::optional<Entry> entry(std::uint32_t instance, std::uint32_t solid, const Ray& ray) const;
+  /// A ball, in world coordinates, that holds a rounded emitter's solid.
+  struct Ball {
+    Point3 centre;
+    double radius;
+  };
+  Ball ball(std::uint32_t instance, std::uint32_t solid) const;
   std::size_t memoryBytes() const { return triangles_.size() * sizeof(EmissiveTriangle); }
 
 private:

@@ -5,25 +5,15 @@
 
 #include "common/vec.h"
 #include "server/render/distribution.h"
-#include "server/render/emitters.h"
 #include "server/render/environment.h"
 #include "server/render/light_sources.h"
+#include "server/render/triangle_lights.h"
 
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace chamfer {
-
-struct LightSample {
-  Vector3 toLight;    ///< from the receiving point: to a point on the light, or unit towards infinity
-  double tfar = 0;    ///< shadow rays along toLight end here (below 1: the light's own surface is left out)
-  Color radiance;     ///< arriving if nothing is in the way; over `pdf` for a delta
-  float pdf = 0;      ///< 0: no light from here
-  bool delta = false; ///< cannot be met by chance: `radiance` is already divided by the density
-  /// A rounded emitter, which shines only if it is the first thing that the ray meets; kNone: another light.
-  std::uint32_t instance = kNone, solid = kNone;
-};
 
 class Lights {
 public:
@@ -33,7 +23,7 @@ public:
          std::vector<PointLight> points, Emitters emitters, const Bounds3& bounds, double reach);
 
   /// Is there nothing to sample? Light may still be found by chance (an even sky).
-  bool empty() const { return choices_.size() == 0; }
+  bool empty() const { return choices_.size() == 0 && triangleShare_ == 0; }
   /// A direction to a light as seen from `p`; not to be asked of an empty set. `choice` and `u` are uniform.
   LightSample sample(const Point3& p, float choice, const Float2& u) const;
 
@@ -43,16 +33,15 @@ public:
   Color escaped(const Vector3f& d, float bsdfPdf) const;
   /// Density with which sample() would have sent this ray from its origin to the emitter that it hits; 0:
   /// never. The ray's direction is unit.
-  float foundPdf(const TraceHit& hit, const Ray& ray) const;
+  float foundPdf(const TraceHit& hit, const Ray& ray) const {
+    return triangleShare_ > 0 ? triangleShare_ * triangles_.foundPdf(hit, ray) : 0;
+  }
   std::size_t memoryBytes() const;
 
 private:
   LightSample sampleEnvironment(const Float2& u) const;
   LightSample sampleDistant(std::size_t index, const Float2& u) const;
   LightSample samplePoint(std::size_t index, const Point3& p) const;
-  LightSample sampleTriangle(std::uint32_t index, const Point3& p, const Float2& u) const;
-  double areaPdf(const EmissiveTriangle& light, double distanceSquared, double cosine) const;
-  float triangleChance(std::uint32_t index) const;
   float distantPdf(std::size_t index) const;
   Color coneRadiance(std::size_t index) const;
 
@@ -60,10 +49,9 @@ private:
   std::vector<DistantLight> distant_;
   std::vector<float> oneMinusCos_; ///< of each distant light's cone
   std::vector<PointLight> points_;
-  Emitters emitters_;
-  double reach_;
-  AliasTable choices_;       ///< environment (if any), distant lights, point lights, emitters' triangles
-  double triangleScale_ = 0; ///< density per area and unit of luminance, choice included
+  TriangleLights triangles_;
+  AliasTable choices_;      ///< environment (if any), distant lights, point lights
+  float triangleShare_ = 0; ///< chance that a triangle is chosen and none of choices_
 };
 
 /// Power heuristic: weight of the technique with density `a` against one with `b`.

@@ -98,6 +98,17 @@ Emitters quad(float radiance) {
   return Emitters({{{-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, grey(radiance), 0, 0},
                    {{1, 1, 1}, {-2, 0, 0}, {0, -2, 0}, grey(radiance), 0, 1}});
 }
+/// The same in 128 triangles: too many to be weighed one by one.
+Emitters tiles(float radiance) {
+  std::vector<EmissiveTriangle> list;
+  for (int i = 0; i < 64; ++i) {
+    const double x = -1 + i % 8 * 0.25, y = -1 + i / 8 * 0.25;
+    list.push_back({{x, y, 1}, {0.25, 0, 0}, {0, 0.25, 0}, grey(radiance), 0, std::uint32_t(2 * i)});
+    list.push_back(
+        {{x + 0.25, y + 0.25, 1}, {-0.25, 0, 0}, {0, -0.25, 0}, grey(radiance), 0, std::uint32_t(2 * i + 1)});
+  }
+  return Emitters(std::move(list));
+}
 /// Irradiance below its centre, of four corners each 1 x 1 at distance 1 (form factor of a parallel
 /// rectangle).
 double quadIrradiance() { return 4 * (1 / std::sqrt(2.0)) * std::atan(1 / std::sqrt(2.0)); }
@@ -123,6 +134,7 @@ TEST(Lights, SamplingAddsUpToClosedForms) {
   expectMean("wide sun", Lights(nullptr, {wideSun}, {}, {}, unitBounds(), 4), slanted);
   expectMean("point", Lights(nullptr, {}, {point}, {}, unitBounds(), 4), pointTruth);
   expectMean("quad", Lights(nullptr, {}, {}, quad(2), unitBounds(), 4), 2 * quadIrradiance());
+  expectMean("tiles", Lights(nullptr, {}, {}, tiles(2), unitBounds(), 4), 2 * quadIrradiance());
   expectMean("all", Lights(image, {sun, wideSun}, {point}, quad(2), unitBounds(), 4),
              imageTruth + 2 * slanted + pointTruth + 2 * quadIrradiance());
 }
