@@ -273,8 +273,7 @@ Detection detect(const RoundingView& view, std::uint32_t solid, std::uint32_t fa
   const Vector3 normal(record.normal);
   double deepest = 0;
   std::uint32_t found = kNone;
-  for (std::uint32_t i = leaf.first(); i < leaf.first() + leaf.count; ++i) {
-    const std::uint32_t h = view.treeLeaves[i];
+  for (std::uint32_t i = 0, h = leaf.first(); i < leaf.count; ++i, h = core.next(h)) {
     const Vector3 a = core.start(h), axis = core.end(h) - a;
     const double beyond = dot(q - a, cross(axis, normal));
     if (beyond <= 0) continue;
@@ -345,6 +344,17 @@ Approach approach(const RoundingView& view, const Candidate& candidate, const Ve
   return a;
 }
 
+/// Is the point inside E? False without looking where a solid has many facets.
+bool inCore(const RoundingView& view, std::uint32_t solid, const Vector3& p) {
+  const SolidRecord& record = view.solids[solid];
+  const std::uint32_t end = view.solids[solid + 1].firstFacet;
+  if (end - record.firstFacet > 32) return false;
+  for (std::uint32_t f = record.firstFacet; f < end; ++f)
+    if (dot(Vector3(view.facets[f].normal), p) > double(view.facets[f].offset) - double(record.radius))
+      return false;
+  return true;
+}
+
 } // namespace
 
 std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candidate& candidate, const Ray& ray,
@@ -362,7 +372,8 @@ std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candida
   if (lengthSquared(o + ray.direction * tnear) > bound * bound) return std::nullopt;
   const auto out = a.out(view);
   if (!out || out->t <= tnear) return std::nullopt;
-  // The ray begins inside P: in R, or in the sliver in front of R.
+  // The ray begins inside P: in R, or in the sliver in front of R. Mostly deep inside, which is cheap to see.
+  if (inCore(view, view.facets[candidate.facet].solid, o + ray.direction * tnear)) return out;
   const auto in = a.in(view);
   return in && in->t > tnear ? in : out;
 }

@@ -106,8 +106,9 @@ PackedHalfEdge packHalfEdge(const HalfEdge& e);
 WideHalfEdge packWideHalfEdge(const HalfEdge& e);
 
 /// kd-tree node over a facet's detection cylinders; 8 bytes. An inner node splits the facet's points along
-/// `axis` (0..2) at `split`; its children are `first` and `first + 1`. A leaf holds `count` entries of
-/// treeLeaves from `first`: the cylinders that can be the deepest at some point of the leaf.
+/// `axis` (0..2) at `split`; its children are the nodes `first` and `first + 1`. A leaf names a stretch of
+/// the facet's loop, `count` half-edges from the solid's half-edge `first`, that holds every cylinder that
+/// can be the deepest at some point of the leaf: in a convex outline those are neighbours.
 struct TreeNode {
   union {
     float split;
@@ -135,7 +136,6 @@ struct RoundingView {
   std::span<const WideHalfEdge> wide;     ///< half-edges of the others
   std::span<const TreeRoot> treeRoots;
   std::span<const TreeNode> treeNodes;
-  std::span<const std::uint32_t> treeLeaves;      ///< local half-edges
   std::span<const std::uint32_t> facetOfTriangle; ///< by the mesh's triangle index; kNone: stays sharp
 
   std::size_t solidCount() const { return solids.empty() ? 0 : solids.size() - 1; }

@@ -76,13 +76,10 @@ void checkTrees(const RoundingView& view) {
         stack.push_back(std::uint32_t(first + 1));
         continue;
       }
-      require(first <= view.treeLeaves.size() && node.count <= view.treeLeaves.size() - first, "tree", i);
-      for (const std::uint32_t h : view.treeLeaves.subspan(first, node.count)) {
-        require(h < solid.halfEdgeCount, "tree", i);
-        const std::uint32_t facet = solid.wide() ? view.wide[solid.halfEdgeStart() + h].unpack().facet
-                                                 : view.packed[solid.halfEdgeStart() + h].facet;
-        require(facet == local, "tree", i);
-      }
+      require(first < solid.halfEdgeCount && node.count <= solid.halfEdgeCount, "tree", i);
+      const HalfEdge start = solid.wide() ? view.wide[solid.halfEdgeStart() + first].unpack()
+                                          : view.packed[solid.halfEdgeStart() + first].unpack();
+      require(start.facet == local, "tree", i);
     }
   }
 }

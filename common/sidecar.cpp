@@ -36,7 +36,7 @@ static_assert(std::endian::native == std::endian::little,
 
 constexpr char kMagic[8] = "CHAMFER";
 constexpr std::uint32_t kVersion = 1;
-constexpr std::uint32_t kSections = 9;
+constexpr std::uint32_t kSections = 8;
 constexpr std::size_t kPrefix = 32, kTable = kPrefix + 16 * kSections, kHeader = kTable + 8;
 
 struct Prefix {
@@ -56,7 +56,6 @@ void eachSection(View& view, F&& f) {
   f(view.wide);
   f(view.treeRoots);
   f(view.treeNodes);
-  f(view.treeLeaves);
   f(view.facetOfTriangle);
 }
 
@@ -109,8 +108,8 @@ class OwnedRounding final : public Rounding {
 public:
   OwnedRounding(RoundingArrays arrays, const Digest& digest) : arrays_(std::move(arrays)) {
     meshDigest_ = digest;
-    view_ = {arrays_.solids,    arrays_.facets,    arrays_.spheres,    arrays_.packed,         arrays_.wide,
-             arrays_.treeRoots, arrays_.treeNodes, arrays_.treeLeaves, arrays_.facetOfTriangle};
+    view_ = {arrays_.solids, arrays_.facets,    arrays_.spheres,   arrays_.packed,
+             arrays_.wide,   arrays_.treeRoots, arrays_.treeNodes, arrays_.facetOfTriangle};
     eachSection(view_, [&](const auto& section) { bytes_ += section.size_bytes(); });
   }
 

@@ -36,7 +36,6 @@ struct RoundingArrays {
   std::vector<WideHalfEdge> wide;
   std::vector<TreeRoot> treeRoots;
   std::vector<TreeNode> treeNodes;
-  std::vector<std::uint32_t> treeLeaves;
   std::vector<std::uint32_t> facetOfTriangle;
 };
 std::shared_ptr<const Rounding> makeRounding(RoundingArrays arrays, const Digest& meshDigest);

@@ -127,11 +127,23 @@ private:
   std::vector<std::vector<std::uint32_t>> around_;
 };
 
+/// Do all three vertices lie on the plane of one facet, within the tolerance that makes a facet one?
+bool onAFacet(const Polytope& polytope, const Surface& surface, const std::array<std::uint32_t, 3>& t,
+              double planarity) {
+  const Vector3 &a = surface.positions[t[0]], &b = surface.positions[t[1]], &c = surface.positions[t[2]];
+  for (const Plane& p : polytope.facets)
+    if (p.offset - std::min({dot(p.normal, a), dot(p.normal, b), dot(p.normal, c)}) <= planarity) return true;
+  return false;
+}
+
 } // namespace
 
+bool cheapToCompare(const Surface& surface, const Polytope& polytope) {
+  return polytope.facets.size() * surface.positions.size() <= 50'000'000;
+}
+
 bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance) {
-  if (polytope.facets.size() < 4 || polytope.facets.size() * surface.positions.size() > 4'000'000)
-    return false;
+  if (polytope.facets.size() < 4 || !cheapToCompare(surface, polytope)) return false;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto& v = surface.triangles[t];
     if (polytope.facetOfTriangle[t] >= polytope.facets.size()) return false;
@@ -184,7 +196,7 @@ std::optional<HullResult> hullOf(const Surface& surface, double planarity) {
   };
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto& v = surface.triangles[t];
-    if (around.common(v)) continue;
+    if (around.common(v) || onAFacet(result.facets, surface, v, planarity)) continue;
     const Vector3 a = surface.positions[v[0]], b = surface.positions[v[1]], c = surface.positions[v[2]];
     // The depth is concave along an edge and over a face, so the face's maximum covers its edges and corners.
     consider(depthOfTriangle(planes, a, b - a, c - a, scale), t);

@@ -11,8 +11,9 @@ namespace chamfer {
 
 /// The cheap and sufficient test for well-made meshes: every vertex under every facet plane, within
 /// `tolerance` (a length), no triangle turned against its facet. Raises the planes' offsets to touch the
-/// farthest vertex. "No" means that the hull must judge, and is the answer also where there are too many
-/// facets for this to be cheap.
+/// farthest vertex. "No" means that the hull must judge, and is the answer also where comparing all vertices
+/// with all facets would not be cheap.
+bool cheapToCompare(const Surface& surface, const Polytope& polytope);
 bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance);
 
 /// What the convex hull says of a surface.

@@ -52,7 +52,7 @@ public:
     // unsplit stays a longer leaf, so that the file stays small whatever the shape.
     std::priority_queue<Part, std::vector<Part>, FewerLines> open;
     const std::size_t budget = lines_.size() / 2;
-    tree_.nodes.emplace_back();
+    tree_.emplace_back();
     open.push({0, root_, pruned(root_, lines_), 0});
     std::vector<Part> leaves;
     for (std::size_t splits = 0; !open.empty();) {
@@ -66,10 +66,9 @@ public:
       split(part, open);
     }
     for (const Part& leaf : leaves) {
-      tree_.nodes[leaf.node].count = std::uint32_t(leaf.lines.size());
-      tree_.nodes[leaf.node].bits = std::uint32_t(tree_.leaves.size()) << 2 | 3u;
-      for (const Line& l : leaf.lines)
-        tree_.leaves.push_back(l.halfEdge);
+      const auto [first, count] = stretch(leaf.lines);
+      tree_[leaf.node].count = count;
+      tree_[leaf.node].bits = first << 2 | 3u;
     }
     return std::move(tree_);
   }
@@ -120,15 +119,33 @@ private:
     return kept;
   }
 
+  /// The shortest stretch of the loop, which is cyclic, that holds the lines: all but the widest gap between
+  /// two.
+  std::pair<std::uint32_t, std::uint32_t> stretch(const std::vector<Line>& lines) const {
+    const std::uint32_t begin = lines_.front().halfEdge, size = std::uint32_t(lines_.size());
+    if (lines.empty()) return {begin, 0};
+    std::size_t after = 0;
+    std::uint32_t widest = 0;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const std::uint32_t next = lines[(i + 1) % lines.size()].halfEdge;
+      const std::uint32_t gap = (next + size - lines[i].halfEdge - 1) % size;
+      if (gap >= widest) {
+        widest = gap;
+        after = i;
+      }
+    }
+    return {lines[(after + 1) % lines.size()].halfEdge, size - widest};
+  }
+
   template <class Queue>
   void split(const Part& part, Queue& open) {
     const Rectangle& area = part.area;
     const int k = area.upper[0] - area.lower[0] >= area.upper[1] - area.lower[1] ? 0 : 1;
     const float at = float(0.5 * (area.lower[k] + area.upper[k]));
-    const auto children = std::uint32_t(tree_.nodes.size());
-    tree_.nodes.resize(tree_.nodes.size() + 2);
-    tree_.nodes[part.node].split = at;
-    tree_.nodes[part.node].bits = children << 2 | std::uint32_t(axes_[k]);
+    const auto children = std::uint32_t(tree_.size());
+    tree_.resize(tree_.size() + 2);
+    tree_[part.node].split = at;
+    tree_[part.node].bits = children << 2 | std::uint32_t(axes_[k]);
     Rectangle below = area, above = area;
     below.upper[k] = above.lower[k] = double(at);
     for (const auto& [node, half] : {std::pair(children, below), std::pair(children + 1, above)}) {

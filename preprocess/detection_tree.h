@@ -9,11 +9,8 @@ namespace chamfer {
 /// A facet with at most this many cylinders is its own leaf: its loop is read in one go, without a tree.
 inline constexpr std::size_t kLoopIsLeaf = 8;
 
-/// One facet's tree; node and leaf indices count from the tree's own beginning.
-struct DetectionTree {
-  std::vector<TreeNode> nodes;       ///< the root is nodes[0]
-  std::vector<std::uint32_t> leaves; ///< half-edges, local to the solid
-};
+/// One facet's tree. The root is nodes[0]; children count from there, leaves name half-edges of the solid.
+using DetectionTree = std::vector<TreeNode>;
 
 /// Tree for points of one facet, which lie within `domain` (solid's frame). `loop`: E's vertices around the
 /// facet's face; the half-edges are firstHalfEdge, firstHalfEdge + 1, ... in the loop's order. A node is

@@ -80,7 +80,7 @@ std::optional<LpVector<K>> maximizeLast(std::size_t count, const Rows& row, doub
   std::array<std::size_t, K> index;
   index.fill(count);
   const double tolerance = 1e-14 * extent; // well above the rounding of a dot product of rows of order 1
-  const std::size_t patience = 100 + 4 * count;
+  constexpr std::size_t patience = 200;    // a few dozen steps are the rule
   LpVector<K> z{};
   for (std::size_t step = 0; step < 2 * patience; ++step) {
     std::array<LpVector<K>, K> matrix;

@@ -10,9 +10,8 @@ namespace {
 /// Offsets into the whole mesh's arrays have 30 bits in a tree's nodes and 31 in a solid's record.
 void checkTotals(const RoundingArrays& arrays) {
   constexpr std::size_t kTree = std::size_t(1) << 30, kOther = std::size_t(1) << 31;
-  if (arrays.treeNodes.size() >= kTree || arrays.treeLeaves.size() >= kTree ||
-      arrays.packed.size() >= kOther || arrays.wide.size() >= kOther || arrays.spheres.size() >= kOther ||
-      arrays.facets.size() >= kOther)
+  if (arrays.treeNodes.size() >= kTree || arrays.packed.size() >= kOther || arrays.wide.size() >= kOther ||
+      arrays.spheres.size() >= kOther || arrays.facets.size() >= kOther)
     throw Error(ErrorKind::OutOfRange,
                 "the mesh is too large for one sidecar (2^31 half-edges): split it into several files");
 }
@@ -51,15 +50,13 @@ void appendSolid(RoundingArrays& arrays, const RoundedSolid& solid,
       arrays.packed.push_back(packHalfEdge(e));
   }
   for (const FacetTree& t : solid.trees) {
-    const auto firstNode = std::uint32_t(arrays.treeNodes.size()),
-               firstLeaf = std::uint32_t(arrays.treeLeaves.size());
+    const auto firstNode = std::uint32_t(arrays.treeNodes.size());
     arrays.facets[firstFacet + t.facet].first |= FacetRecord::kHasTree;
     arrays.treeRoots.push_back({firstFacet + t.facet, firstNode});
-    for (TreeNode node : t.tree.nodes) {
-      node.bits += (node.leaf() ? firstLeaf : firstNode) << 2;
+    for (TreeNode node : t.tree) {
+      if (!node.leaf()) node.bits += firstNode << 2;
       arrays.treeNodes.push_back(node);
     }
-    arrays.treeLeaves.insert(arrays.treeLeaves.end(), t.tree.leaves.begin(), t.tree.leaves.end());
   }
   for (std::size_t t = 0; t < meshTriangles.size(); ++t)
     arrays.facetOfTriangle[meshTriangles[t]] = firstFacet + solid.facetOfTriangle[t];

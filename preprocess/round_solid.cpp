@@ -64,8 +64,9 @@ std::optional<Fault> judgeByHull(const Component& component, const PreprocessOpt
   solid.depth = relative;
   solid.usedHull = relative > options.tolerances.convexity;
   polytope = std::move(hull->facets);
-  // Raises each plane to its farthest vertex; a hull passes unless merging went wrong, which the caller sees.
-  if (!convexByPlanes(hull->hull, polytope, 8 * options.tolerances.planarity * diagonal)) {
+  // Raises each plane to its farthest vertex; a hull passes unless merging went wrong.
+  if (cheapToCompare(hull->hull, polytope) &&
+      !convexByPlanes(hull->hull, polytope, 8 * options.tolerances.planarity * diagonal)) {
     // Facets of a hull that cannot be told apart well enough to merge: its triangles are its facets.
     polytope = findFacets(hull->hull, 0);
     convexByPlanes(hull->hull, polytope, options.tolerances.convexity * diagonal);

@@ -16,7 +16,7 @@ std::string hexOf(std::span<const T> span) {
 /// Of all that a rounding holds: the same whether it came from a sidecar or was built here.
 std::string digestText(const RoundingView& v) {
   return hexOf(v.solids) + hexOf(v.facets) + hexOf(v.spheres) + hexOf(v.packed) + hexOf(v.wide) +
-         hexOf(v.treeRoots) + hexOf(v.treeNodes) + hexOf(v.treeLeaves) + hexOf(v.facetOfTriangle);
+         hexOf(v.treeRoots) + hexOf(v.treeNodes) + hexOf(v.facetOfTriangle);
 }
 
 /// Positions, triangles, texture coordinates, materials.

@@ -387,7 +387,7 @@ private:
     q.tnear = tnear;
     q.best = tfar;
     q.found = false;
-    q.keep = from.maybeInSliver ? tnear + largestDiameter_ / length(ray.direction) : 0;
+    q.keep = from.maybeInSliver || from.inside ? tnear + largestDiameter_ / length(ray.direction) : 0;
     q.limit = std::max(tfar, q.keep);
     // A path that leaves a sharp triangle starts off its plane by what float32 can put on the wrong side of
     // it: the rounding of the origin and of the transforms, a few units in the last place of the largest

@@ -13,11 +13,11 @@ namespace {
 
 /// Repairs the checksums of mutated bytes, so that the checks behind them are reached.
 std::vector<std::byte> withChecksums(std::span<const std::byte> bytes) {
-  constexpr std::size_t kPrefix = 32, kSections = 9, kTable = kPrefix + 16 * kSections, kHeader = kTable + 8;
-  constexpr std::size_t kElement[kSections] = {
-      sizeof(chamfer::SolidRecord),    sizeof(chamfer::FacetRecord),  sizeof(chamfer::Float3),
-      sizeof(chamfer::PackedHalfEdge), sizeof(chamfer::WideHalfEdge), sizeof(chamfer::TreeRoot),
-      sizeof(chamfer::TreeNode),       sizeof(std::uint32_t),         sizeof(std::uint32_t)};
+  constexpr std::size_t kPrefix = 32, kSections = 8, kTable = kPrefix + 16 * kSections, kHeader = kTable + 8;
+  constexpr std::size_t kElement[kSections] = {sizeof(chamfer::SolidRecord),  sizeof(chamfer::FacetRecord),
+                                               sizeof(chamfer::Float3),       sizeof(chamfer::PackedHalfEdge),
+                                               sizeof(chamfer::WideHalfEdge), sizeof(chamfer::TreeRoot),
+                                               sizeof(chamfer::TreeNode),     sizeof(std::uint32_t)};
   std::vector<std::byte> fixed(bytes.begin(), bytes.end());
   if (fixed.size() < kHeader) return fixed;
   std::size_t offset = kHeader;

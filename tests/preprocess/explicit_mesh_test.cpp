@@ -56,10 +56,10 @@ TEST(ExplicitMesh, ConvergesToSteinersFormulas) {
         const double errors[2] = {std::abs(t.volume / double(truth.volume()) - 1),
                                   std::abs(t.area / double(truth.area()) - 1)};
         for (int k = 0; k < 2; ++k) {
-          // Chords converge with the square of the number of segments: 16 times from 16 to 64, less where a
-          // corner spans almost half a turn.
+          // Chords converge with the square of the number of segments, 16 times from 16 to 64, less where a
+          // corner spans almost half a turn; the area's error may pass through zero on the way.
           if (segments == 64) {
-            EXPECT_LT(errors[k], coarse[k] / 8 + 2e-5)
+            EXPECT_LT(errors[k], std::max(coarse[k] / 8, 1e-4) + 2e-5)
                 << solid.name << " at " << share << (k ? " area" : " volume");
           }
           EXPECT_LT(errors[k], 0.15) << solid.name << " at " << share << " with " << segments;

@@ -106,7 +106,6 @@ TEST_F(SidecarTest, WrongIndicesAreFoundBehindRightChecksums) {
     a.wide.assign(v.wide.begin(), v.wide.end());
     a.treeRoots.assign(v.treeRoots.begin(), v.treeRoots.end());
     a.treeNodes.assign(v.treeNodes.begin(), v.treeNodes.end());
-    a.treeLeaves.assign(v.treeLeaves.begin(), v.treeLeaves.end());
     a.facetOfTriangle.assign(v.facetOfTriangle.begin(), v.facetOfTriangle.end());
     change(a);
     const auto path = folder_ / "changed.chamfer";
@@ -127,7 +126,14 @@ TEST_F(SidecarTest, WrongIndicesAreFoundBehindRightChecksums) {
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.solids[1].firstFacet = 4000; }));
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.solids[0].halfEdgeCount = 22; }));
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.facetOfTriangle[0] = 4000; }));
-  EXPECT_TRUE(refused([](RoundingArrays& a) { a.treeLeaves[0] = 1 << 20; }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) {
+    for (TreeNode& node : a.treeNodes)
+      if (node.leaf()) node.bits = 3u; // half-edge 0 is of another facet
+  }));
+  EXPECT_TRUE(refused([](RoundingArrays& a) {
+    for (TreeNode& node : a.treeNodes)
+      if (node.leaf()) node.bits = 100'000u << 2 | 3u;
+  }));
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.treeNodes[0].bits = 0; }));
   EXPECT_TRUE(refused([](RoundingArrays& a) { a.treeRoots.pop_back(); }));
 }
@@ -138,6 +144,16 @@ TEST_F(SidecarTest, SizeIsWithinBudgetForManyBoxes) {
   options.radius = parseRadius("1%");
   const auto result = preprocess(meshOf(boxes), options);
   EXPECT_LE(double(serializedSize(*result.rounding)) / double(result.report.roundedEdges), 48.0);
+}
+
+TEST_F(SidecarTest, SizeIsWithinBudgetForManySides) {
+  for (const unsigned sides : {40u, 200u, 400u})
+    for (const double radius : {0.01, 0.3}) {
+      PreprocessOptions options;
+      options.radius.value = radius;
+      const auto result = preprocess(meshOf(oracle::prism(sides, 1)), options);
+      EXPECT_LE(double(serializedSize(*result.rounding)) / double(result.report.roundedEdges), 48.0) << sides;
+    }
 }
 
 TEST_F(SidecarTest, AFolderThatCannotBeWrittenIsNamed) {

@@ -57,7 +57,8 @@ struct Placed {
     const oracle::Subject subject = [&](const oracle::Ray& ray) -> std::optional<oracle::Answer> {
       const auto hit = tracer->intersect(toRay(ray), {}, ray.tnear);
       // The any-hit query must say the same as the closest-hit query.
-      if (tracer->occluded(toRay(ray), {}, ray.tnear) != hit.has_value()) return oracle::Answer{NAN, {0, 0, 0}, oracle::Feature::Flat};
+      if (tracer->occluded(toRay(ray), {}, ray.tnear) != hit.has_value())
+        return oracle::Answer{NAN, {0, 0, 0}, oracle::Feature::Flat};
       if (!hit) return std::nullopt;
       return oracle::Answer{
           hit->t, {hit->normal.x, hit->normal.y, hit->normal.z}, oracle::Feature(hit->feature)};
