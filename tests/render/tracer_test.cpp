@@ -184,6 +184,20 @@ TEST(Tracer, PathsLeaveAndCrossASolidWithoutMeetingWhereTheyStart) {
   EXPECT_GT(crossed, 2000u);
 }
 
+TEST(Tracer, AShadowRayInsideASolidIsStoppedBeforeALightInItsSliver) {
+  auto mesh = std::make_shared<TriangleMesh>(meshOf(oracle::box(2, 2, 2)));
+  PreprocessOptions options;
+  options.radius.value = 0.5;
+  const auto tracer = makeTracer({{makeTracedMesh(mesh), preprocess(*mesh, options).rounding, {}}});
+  // From the room's floor, seen from inside, to a point between the rounded corner and the mesh's corner.
+  const auto floor = tracer->intersect({{0, 0, 0}, {0, 0, -1}});
+  ASSERT_TRUE(floor);
+  const Vector3 toLight = Point3(0.95, 0.95, 0.95) - floor->position;
+  EXPECT_TRUE(tracer->occluded({floor->position, toLight}, floor->leave(toLight), 0, 1));
+  const Vector3 toRoom = Point3(0.5, 0.5, 0.5) - floor->position;
+  EXPECT_FALSE(tracer->occluded({floor->position, toRoom}, floor->leave(toRoom), 0, 1));
+}
+
 TEST(Tracer, SharpTrianglesAreNotMetAgainAtTheirOwnPlane) {
   auto mesh = std::make_shared<TriangleMesh>(meshOf(oracle::box(200, 200, 1)));
   const auto tracer = makeTracer({{makeTracedMesh(mesh), nullptr, {}}});
