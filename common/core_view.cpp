@@ -17,20 +17,13 @@ bool CoreView::inFaceCell(CoreFeature& feature, const Vector3& p) const {
   const std::uint32_t f = halfEdge(feature.halfEdge).facet;
   const std::uint32_t first = facets_[f].firstHalfEdge();
   const Vector3 n = normal(f);
-  // Compared as squares over squared edge lengths, so that nothing is normalised for the common answer
-  // "inside".
   double deepest = 0;
   std::uint32_t border = kNone;
-  for (std::uint32_t h = first; h < record_.halfEdgeCount && halfEdge(h).facet == f; ++h) {
-    const Vector3 a = start(h), axis = end(h) - a;
-    const double beyond = dot(p - a, cross(axis, n));
-    if (beyond <= 0) continue;
-    const double depth = beyond * beyond / lengthSquared(axis);
-    if (depth > deepest) {
+  for (std::uint32_t h = first; h < record_.halfEdgeCount && halfEdge(h).facet == f; ++h)
+    if (const double depth = squaredBeyond(h, n, p); depth > deepest) {
       deepest = depth;
       border = h;
     }
-  }
   if (border == kNone) return true;
   feature = {CoreFeature::Edge, border};
   return false;

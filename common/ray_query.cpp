@@ -273,16 +273,11 @@ Detection detect(const RoundingView& view, std::uint32_t solid, std::uint32_t fa
   const Vector3 normal(record.normal);
   double deepest = 0;
   std::uint32_t found = kNone;
-  for (std::uint32_t i = 0, h = leaf.first(); i < leaf.count; ++i, h = core.next(h)) {
-    const Vector3 a = core.start(h), axis = core.end(h) - a;
-    const double beyond = dot(q - a, cross(axis, normal));
-    if (beyond <= 0) continue;
-    const double depth = beyond * beyond / lengthSquared(axis);
-    if (depth > deepest) {
+  for (std::uint32_t i = 0, h = leaf.first(); i < leaf.count; ++i, h = core.next(h))
+    if (const double depth = core.squaredBeyond(h, normal, q); depth > deepest) {
       deepest = depth;
       found = h;
     }
-  }
   if (found == kNone) return {false, record.firstHalfEdge()};
   return {true, found};
 }
