@@ -105,7 +105,10 @@ CLI::App* addRender(CLI::App& app, RenderCommandOptions& options) {
       ->capture_default_str();
   render->add_option("--rounding", options.rounding, "analytic, none, mesh:K or bevel:N")
       ->capture_default_str();
-  render->add_option("--aov", options.aov, "beauty, albedo, normal, depth or feature")->capture_default_str();
+  render
+      ->add_option("--aov", options.aov,
+                   "beauty, albedo, normal, geometric_normal, depth, feature or instance")
+      ->capture_default_str();
   render->add_option("--radius", options.radius, "Rounding radius in mesh units; default: the sidecar's");
   addTriple(*render, "--eye", options.eye, "Camera position; default: the scene's camera");
   addTriple(*render, "--target", options.target, "Point the camera looks at");
@@ -116,6 +119,7 @@ CLI::App* addRender(CLI::App& app, RenderCommandOptions& options) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   render->add_flag("-q,--quiet", options.quiet, "Print nothing");
+  render->add_flag("--json", options.json, "Print the summary as JSON: seconds, samples, rays, memory");
   mirrorInEnvironment(*render);
   return render;
 }

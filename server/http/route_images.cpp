@@ -90,8 +90,8 @@ Response imageRoute(const Parts& parts, const Request& request, const std::share
   const RayStatistics& rays = result.statistics;
   response.headers.emplace_back("Server-Timing", timing.text());
   response.headers.emplace_back("X-Chamfer-Rays", std::to_string(rays.rays()));
-  response.headers.emplace_back("X-Chamfer-Hits", std::to_string(rays.hits));
-  response.headers.emplace_back("X-Chamfer-Rounded", std::to_string(rays.roundedHits));
+  response.headers.emplace_back("X-Chamfer-Hits", std::to_string(rays.hits()));
+  response.headers.emplace_back("X-Chamfer-Rounded", std::to_string(rays.roundedHits()));
   if (rays.nonFiniteSamples > 0) {
     response.headers.emplace_back("X-Chamfer-Non-Finite", std::to_string(rays.nonFiniteSamples));
     logMessage(LogLevel::Warning, "request " + request.id + ": " + std::to_string(rays.nonFiniteSamples) +

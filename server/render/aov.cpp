@@ -1,6 +1,7 @@
 #include "server/render/aov.h"
 
 #include "common/error.h"
+#include "server/render/sampler.h"
 #include "server/render/surface.h"
 
 namespace chamfer {
@@ -18,16 +19,25 @@ Color featureColor(Feature feature) {
   throw Error(ErrorKind::Internal, "unknown feature");
 }
 
+Color instanceColor(std::uint32_t instance) {
+  const std::uint64_t bits = mixBits(instance + 1ull);
+  const auto channel = [&](int shift) { return float((bits >> shift) & 0xffu) / 255; };
+  return {channel(0), channel(8), channel(16)};
+}
+
 Color value(const Scene& scene, Aov aov, const TraceHit& hit) {
   switch (aov) {
   case Aov::Albedo:
     return surfaceAt(scene, materialAt(*scene.data, hit), hit).baseColor;
   case Aov::Normal:
+  case Aov::GeometricNormal:
     return {float(hit.normal.x), float(hit.normal.y), float(hit.normal.z)};
   case Aov::Depth:
     return grey(float(hit.t));
   case Aov::Feature:
     return featureColor(hit.feature);
+  case Aov::Instance:
+    return instanceColor(hit.instance);
   case Aov::Beauty:
     break;
   }
@@ -38,11 +48,11 @@ Color value(const Scene& scene, Aov aov, const TraceHit& hit) {
 
 AovSample aovSample(const Scene& scene, const Tracer& tracer, Aov aov, const Ray& ray, const RayOrigin& from,
                     RayStatistics& statistics) {
-  ++statistics.cameraRays;
+  ++statistics.camera.traced;
   const auto hit = tracer.intersect(ray, from);
   if (!hit) return {};
-  ++statistics.hits;
-  statistics.roundedHits += hit->rounded();
+  ++statistics.camera.hits;
+  statistics.camera.rounded += hit->rounded();
   return {value(scene, aov, *hit), 1};
 }
 

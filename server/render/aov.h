@@ -12,8 +12,10 @@ struct AovSample {
   float coverage = 0;
 };
 
-/// Albedo: the base colour. Normal: world, outward, -1..1. Depth: distance from the ray's origin in world
-/// units, in all three channels. Feature: flat (0.25, 0.25, 0.25), cylinder (1, 0.5, 0), sphere (0, 0.5, 1).
+/// Albedo: the base colour. Normal: the one shading uses, world, outward, -1..1; geometric normal: the
+/// surface's own. Depth: distance from the ray's origin in world units, in all three channels. Feature: flat
+/// (0.25, 0.25, 0.25), cylinder (1, 0.5, 0), sphere (0, 0.5, 1). Instance: a colour of its own for each, so
+/// that a pixel's mean tells the instances' shares.
 AovSample aovSample(const Scene& scene, const Tracer& tracer, Aov aov, const Ray& ray, const RayOrigin& from,
                     RayStatistics& statistics);
 

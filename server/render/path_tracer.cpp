@@ -48,12 +48,23 @@ private:
   Bsdf bsdf_;
 };
 
-bool PathTracer::reaches(const Vertex& vertex, const LightSample& light) const {
+bool PathTracer::reaches(const Vertex& vertex, const LightSample& light, RayCount& count) const {
   const Ray ray{vertex.position(), light.toLight};
   const RayOrigin from = vertex.leave(light.toLight);
-  if (light.solid == kNone) return !tracer_.occluded(ray, from, 0, light.tfar);
-  const auto hit = tracer_.intersect(ray, from);
-  return hit && hit->instance == light.instance && hit->solid == light.solid;
+  ++count.traced;
+  Feature blocker = Feature::Flat;
+  bool reached;
+  if (light.solid == kNone) {
+    reached = !tracer_.occluded(ray, from, 0, light.tfar, &blocker);
+  } else {
+    const auto hit = tracer_.intersect(ray, from);
+    reached = hit && hit->instance == light.instance && hit->solid == light.solid;
+    if (!hit) return false; // past the rounded emitter, into the void
+    blocker = hit->feature;
+  }
+  count.hits += !reached;
+  count.rounded += !reached && blocker != Feature::Flat;
+  return reached;
 }
 
 Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const Float2& u,
@@ -63,8 +74,7 @@ Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const 
   const Vector3f wi = vertex.toLocal(light.toLight * (1 / length(light.toLight)));
   const BsdfValue scattered = vertex.bsdf().evaluate(wi);
   if (scattered.f.isBlack() || !vertex.sameSide(wi, light.toLight)) return {};
-  ++statistics.shadowRays;
-  if (!reaches(vertex, light)) return {};
+  if (!reaches(vertex, light, statistics.shadow)) return {};
   if (light.delta) return scattered.f * light.radiance;
   return scattered.f * light.radiance * (powerHeuristic(light.pdf, scattered.pdf) / light.pdf);
 }
@@ -74,12 +84,13 @@ Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayS
   Color sum, throughput = grey(1);
   float scatterPdf = 0; // with which the last direction was drawn; 0: delta or camera
   float etaScale = 1;   // undoes the compression of radiance in glass, for Russian roulette only
-  ++statistics.cameraRays;
+  RayCount* count = &statistics.camera;
   for (unsigned bounce = 0;; ++bounce) {
+    ++count->traced;
     const auto hit = tracer_.intersect(ray, from);
     if (!hit) return sum + throughput * lights_.escaped(Vector3f(ray.direction), scatterPdf);
-    ++statistics.hits;
-    statistics.roundedHits += hit->rounded();
+    ++count->hits;
+    count->rounded += hit->rounded();
     const Material& material = materialAt(data, *hit);
     const double cosine = dot(ray.direction, hit->normal);
     if (cosine > 0 && material.transmission > 0 && !material.absorption.isBlack())
@@ -110,7 +121,7 @@ Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayS
       if (!(sampler.pair(pair + kRoulettePair).x < survive)) return sum;
       throughput *= 1 / survive;
     }
-    ++statistics.bounceRays;
+    count = &statistics.bounce;
   }
 }
 

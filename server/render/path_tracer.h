@@ -23,7 +23,7 @@ public:
 
 private:
   class Vertex;
-  bool reaches(const Vertex& vertex, const LightSample& light) const;
+  bool reaches(const Vertex& vertex, const LightSample& light, RayCount& count) const;
   Color directLight(const Vertex& vertex, const Float2& choice, const Float2& u,
                     RayStatistics& statistics) const;
 

@@ -90,6 +90,16 @@ std::size_t PreparedScene::memoryBytes() const {
   return bytes;
 }
 
+std::size_t PreparedScene::tracedTriangles() const {
+  const std::size_t own = scene_->meshes.size();
+  std::size_t sum = 0;
+  for (const InstanceSource& i : scene_->data->instanceSource) {
+    const SceneMesh& m = i.mesh < own ? scene_->meshes[i.mesh] : scene_->data->extraMeshes[i.mesh - own];
+    sum += m.mesh->triangles.size();
+  }
+  return sum;
+}
+
 std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const RoundingChoice& choice,
                                              unsigned threads) {
   auto roundings = chooseRoundings(*scene, choice, threads);
@@ -99,5 +109,6 @@ std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene,
 const Tracer& ownTracer(const PreparedScene& prepared) { return prepared.ownTracer(); }
 const Scene& sceneOf(const PreparedScene& prepared) { return prepared.scene(); }
 std::size_t memoryBytes(const PreparedScene& prepared) { return prepared.memoryBytes(); }
+std::size_t tracedTriangles(const PreparedScene& prepared) { return prepared.tracedTriangles(); }
 
 } // namespace chamfer

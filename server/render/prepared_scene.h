@@ -19,6 +19,7 @@ public:
   const Lights& lights() const { return *lights_; }
   const Tracer& ownTracer() const; ///< without extra instances; made at first use
   std::size_t memoryBytes() const;
+  std::size_t tracedTriangles() const;
 
 private:
   std::vector<TracedInstance> ownInstances() const;

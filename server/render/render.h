@@ -13,7 +13,7 @@
 namespace chamfer {
 
 enum class RoundingMode : std::uint8_t { None, Analytic, Mesh, Bevel };
-enum class Aov : std::uint8_t { Beauty, Albedo, Normal, Depth, Feature };
+enum class Aov : std::uint8_t { Beauty, Albedo, Normal, GeometricNormal, Depth, Feature, Instance };
 
 /// Which rounding a request asks for.
 struct RoundingChoice {
@@ -36,13 +36,25 @@ struct TileRect {
   unsigned x = 0, y = 0, width = 0, height = 0; ///< pixels, y down from the top
 };
 
+/// Rays of one kind: how many were traced, of these how many met a surface, of these how many met it on a
+/// rounding (a cylinder or a sphere).
+struct RayCount {
+  std::uint64_t traced = 0, hits = 0, rounded = 0;
+  RayCount& operator+=(const RayCount& o);
+  bool operator==(const RayCount&) const = default;
+  /// The paper's "affected rays": the part of the traced rays whose hit is on a rounding, 0..1.
+  double roundedShare() const { return traced ? double(rounded) / double(traced) : 0; }
+};
+
 struct RayStatistics {
-  std::uint64_t cameraRays = 0, bounceRays = 0, shadowRays = 0;
-  std::uint64_t hits = 0,
-                roundedHits = 0;      ///< of camera and bounce rays; roundedHits: on a cylinder or sphere
+  RayCount camera, bounce;
+  RayCount shadow; ///< a hit: the light is hidden, by whatever the search for a blocker found first
   std::uint64_t nonFiniteSamples = 0; ///< replaced by black, counted
   RayStatistics& operator+=(const RayStatistics& o);
-  std::uint64_t rays() const { return cameraRays + bounceRays + shadowRays; }
+  bool operator==(const RayStatistics&) const = default;
+  std::uint64_t rays() const { return camera.traced + bounce.traced + shadow.traced; }
+  std::uint64_t hits() const { return camera.hits + bounce.hits; } ///< surfaces seen
+  std::uint64_t roundedHits() const { return camera.rounded + bounce.rounded; }
 };
 
 /// Scene plus one rounding choice, ready to trace. Immutable, shared; may be costly to make (another radius).
@@ -54,6 +66,8 @@ std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene,
 const Tracer& ownTracer(const PreparedScene& prepared);
 const Scene& sceneOf(const PreparedScene& prepared);
 std::size_t memoryBytes(const PreparedScene& prepared);
+/// Triangles that rays are tested against, over all instances (a mesh that is placed twice counts twice).
+std::size_t tracedTriangles(const PreparedScene& prepared);
 
 struct RenderControl {
   unsigned threads = 0;                       ///< 0: all cores

@@ -2,21 +2,19 @@
 
 #include "common/error.h"
 #include "server/render/image_io.h"
+#include "server/render/render_report.h"
 #include "server/render/render_words.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <unistd.h>
+#include <utility>
 
 namespace chamfer {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::optional<Camera> cameraOf(const RenderCommandOptions& o, const Camera& own) {
   if (!o.eye && !o.target && !o.up && !o.vfovDegrees) return {};
@@ -55,24 +53,6 @@ private:
   std::atomic<int> percent_{-1};
 };
 
-void printSummary(const RenderCommandOptions& o, const Scene& scene, const RayStatistics& s, double load,
-                  double seconds) {
-  for (const std::string& warning : scene.warnings)
-    std::printf("warning: %s\n", warning.c_str());
-  const double samples = double(o.width) * o.height * o.samples;
-  const double rounded = s.hits ? 100.0 * double(s.roundedHits) / double(s.hits) : 0;
-  std::printf("%s: %ux%u, %u samples a pixel, rounding %s\n", o.output.string().c_str(), o.width, o.height,
-              o.samples, o.rounding.c_str());
-  std::printf("loaded in %.2f s, rendered in %.2f s: %.2f million samples/s, %.2f million rays/s\n", load,
-              seconds, samples / seconds * 1e-6, double(s.rays()) / seconds * 1e-6);
-  std::printf("rays: %llu camera, %llu bounce, %llu shadow; %.1f %% of the hits on a rounding\n",
-              static_cast<unsigned long long>(s.cameraRays), static_cast<unsigned long long>(s.bounceRays),
-              static_cast<unsigned long long>(s.shadowRays), rounded);
-  if (s.nonFiniteSamples)
-    std::printf("warning: %llu samples were not finite and count as black\n",
-                static_cast<unsigned long long>(s.nonFiniteSamples));
-}
-
 } // namespace
 
 int runRenderCommand(const RenderCommandOptions& o) {
@@ -87,13 +67,18 @@ int runRenderCommand(const RenderCommandOptions& o) {
   settings.maxBounces = o.bounces;
   settings.aov = parseAov(o.aov);
 
-  const auto start = Clock::now();
+  RenderTimes times;
+  auto begin = Clock::now();
+  const auto lap = [&] {
+    const auto now = Clock::now();
+    return std::chrono::duration<double>(now - std::exchange(begin, now)).count();
+  };
   const auto scene = loadScene(o.scene, o.root, o.scene.stem().string());
   settings.camera = cameraOf(o, scene->camera);
+  times.load = lap();
   const auto prepared = prepare(scene, choice, o.threads);
-  const double load = secondsSince(start);
+  times.prepare = lap();
 
-  const auto begin = Clock::now();
   RenderResult result;
   {
     ProgressLine line(o.quiet);
@@ -102,9 +87,13 @@ int runRenderCommand(const RenderCommandOptions& o) {
     control.progress = [&](double share) { line(share); };
     result = renderTile(*prepared, settings, {0, 0, o.width, o.height}, control);
   }
-  const double seconds = secondsSince(begin);
+  times.render = lap();
   writeImage(o.output, result.image);
-  if (!o.quiet) printSummary(o, *scene, result.statistics, load, seconds);
+  times.write = lap();
+  if (!o.quiet) {
+    const RenderReport report{o.output.string(), *prepared, choice, settings, times, result.statistics};
+    std::fputs((o.json ? reportJson(report) : reportText(report)).c_str(), stdout);
+  }
   return 0;
 }
 

@@ -25,10 +25,11 @@ struct RenderCommandOptions {
   std::optional<double> vfovDegrees;
   unsigned threads = 0; ///< 0: all cores
   bool quiet = false;   ///< no summary, no progress
+  bool json = false;    ///< the summary as one JSON object, for programs (render_report.h)
 };
 
-/// Loads, renders, writes, and prints a summary (time, rays, share of rounded hits) on standard output;
-/// progress on standard error when that is a terminal. Returns 0. Throws Error (exitStatus() gives the exit
+/// Loads, renders, writes, and prints a summary (render_report.h) on standard output; progress on standard
+/// error when that is a terminal. Returns 0. Throws Error (exitStatus() gives the exit
 /// status); nothing is written then.
 int runRenderCommand(const RenderCommandOptions& options);
 

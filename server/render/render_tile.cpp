@@ -15,12 +15,17 @@
 
 namespace chamfer {
 
-RayStatistics& RayStatistics::operator+=(const RayStatistics& o) {
-  cameraRays += o.cameraRays;
-  bounceRays += o.bounceRays;
-  shadowRays += o.shadowRays;
+RayCount& RayCount::operator+=(const RayCount& o) {
+  traced += o.traced;
   hits += o.hits;
-  roundedHits += o.roundedHits;
+  rounded += o.rounded;
+  return *this;
+}
+
+RayStatistics& RayStatistics::operator+=(const RayStatistics& o) {
+  camera += o.camera;
+  bounce += o.bounce;
+  shadow += o.shadow;
   nonFiniteSamples += o.nonFiniteSamples;
   return *this;
 }

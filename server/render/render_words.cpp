@@ -13,11 +13,10 @@ struct AovRow {
   Aov aov;
   const char* word;
 };
-constexpr AovRow kAovs[] = {{Aov::Beauty, "beauty"},
-                            {Aov::Albedo, "albedo"},
-                            {Aov::Normal, "normal"},
-                            {Aov::Depth, "depth"},
-                            {Aov::Feature, "feature"}};
+constexpr AovRow kAovs[] = {{Aov::Beauty, "beauty"},    {Aov::Albedo, "albedo"},
+                            {Aov::Normal, "normal"},    {Aov::GeometricNormal, "geometric_normal"},
+                            {Aov::Depth, "depth"},      {Aov::Feature, "feature"},
+                            {Aov::Instance, "instance"}};
 
 unsigned parseCount(std::string_view text, std::string_view digits) {
   unsigned value = 0;
@@ -61,8 +60,10 @@ std::string roundingWord(const RoundingChoice& choice) {
 Aov parseAov(std::string_view text) {
   for (const AovRow& row : kAovs)
     if (text == row.word) return row.aov;
-  throw Error(ErrorKind::Usage,
-              "aov \"" + std::string(text) + "\" is not known; use beauty, albedo, normal, depth or feature");
+  throw Error(
+      ErrorKind::Usage,
+      "aov \"" + std::string(text) +
+          "\" is not known; use beauty, albedo, normal, geometric_normal, depth, feature or instance");
 }
 
 const char* aovWord(Aov aov) {

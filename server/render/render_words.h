@@ -14,7 +14,7 @@ RoundingChoice parseRounding(std::string_view text);
 /// The word that parseRounding() reads back.
 std::string roundingWord(const RoundingChoice& choice);
 
-/// "beauty", "albedo", "normal", "depth" or "feature". Throws Error(Usage).
+/// "beauty", "albedo", "normal", "geometric_normal", "depth", "feature" or "instance". Throws Error(Usage).
 Aov parseAov(std::string_view text);
 const char* aovWord(Aov aov);
 

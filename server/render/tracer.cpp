@@ -259,7 +259,10 @@ void occludedFilter(const RTCFilterFunctionNArguments* args) {
     return;
   }
   const auto end = judge(q, instance, facet, ray.tfar);
-  if (!end || !(end->t < q.best) || !(end->t > q.tnear)) args->valid[0] = 0;
+  if (!end || !(end->t < q.best) || !(end->t > q.tnear))
+    args->valid[0] = 0;
+  else
+    q.end.feature = end->feature;
 }
 
 struct PointQuery {
@@ -320,10 +323,13 @@ public:
     return q.solid == kNone ? sharpHit(q) : roundedHit(q);
   }
 
-  bool occluded(const Ray& ray, const RayOrigin& from, double tnear, double tfar) const override {
+  bool occluded(const Ray& ray, const RayOrigin& from, double tnear, double tfar,
+                Feature* blocker) const override {
     Query q = query(ray, from, tnear, tfar, &occludedFilter);
+    q.end.feature = Feature::Flat;
     RTCRay r = embreeRay(q);
     rtcOccluded1(scene_.get(), &q.context, &r);
+    if (blocker) *blocker = q.end.feature;
     return r.tfar < 0;
   }
 

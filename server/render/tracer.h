@@ -63,9 +63,10 @@ public:
   /// First hit with t in (tnear, tfar), or nothing.
   virtual std::optional<TraceHit> intersect(const Ray& ray, const RayOrigin& from = {}, double tnear = 0,
                                             double tfar = INFINITY) const = 0;
-  /// Is anything hit with t in (tnear, tfar)?
-  virtual bool occluded(const Ray& ray, const RayOrigin& from = {}, double tnear = 0,
-                        double tfar = INFINITY) const = 0;
+  /// Is anything hit with t in (tnear, tfar)? `blocker`: where not null, set to the feature of what was
+  /// found, which need not be the nearest.
+  virtual bool occluded(const Ray& ray, const RayOrigin& from = {}, double tnear = 0, double tfar = INFINITY,
+                        Feature* blocker = nullptr) const = 0;
   /// Is the point inside the unmodified mesh of a rounded solid (in its rounded solid or its sliver)?
   virtual bool insideSolid(const Point3& point) const = 0;
   virtual const Bounds3& bounds() const = 0;   ///< world, of the unmodified meshes

@@ -5,6 +5,7 @@
 #include "tests/render/scene_files_fixture.h"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 namespace chamfer {
 namespace {
@@ -49,6 +50,39 @@ TEST(RenderCommand, WritesThePictureThatRenderTileGives) {
               (Color{image.rgba[4 * i], image.rgba[4 * i + 1], image.rgba[4 * i + 2]}));
 }
 
+TEST(RenderCommand, ReportsAsJsonWhatItTook) {
+  const TemporaryFolder folder;
+  RenderCommandOptions o = optionsFor(folder, "a.png");
+  o.quiet = false;
+  o.json = true;
+  o.radius = 0.2;
+  testing::internal::CaptureStdout();
+  runRenderCommand(o);
+  const auto j = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  EXPECT_EQ(j["samples"], 32 * 18 * 2);
+  EXPECT_EQ(j["rounding"], "analytic");
+  EXPECT_EQ(j["radius"], 0.2);
+  EXPECT_EQ(j["triangles"], 12 + 2 + 2) << "the cube, the studio's ground and its light";
+  for (const char* stage : {"load", "prepare", "render", "write"})
+    EXPECT_GE(j["seconds"][stage].get<double>(), 0) << stage;
+  EXPECT_NEAR(j["samples_per_second"].get<double>() * j["seconds"]["render"].get<double>(), 32 * 18 * 2,
+              1e-6);
+  EXPECT_GT(j["peak_resident_bytes"], j["memory_bytes"]);
+  const auto& rays = j["rays"];
+  EXPECT_EQ(rays["camera"]["traced"], 32 * 18 * 2);
+  std::uint64_t traced = 0;
+  for (const char* kind : {"camera", "bounce", "shadow"}) {
+    const auto& count = rays[kind];
+    traced += count["traced"].get<std::uint64_t>();
+    EXPECT_LE(count["hits"], count["traced"]) << kind;
+    EXPECT_LT(count["rounded"], count["hits"]) << kind;
+    EXPECT_GT(count["rounded"], 0) << kind;
+    EXPECT_DOUBLE_EQ(count["rounded_share"].get<double>(),
+                     count["rounded"].get<double>() / count["traced"].get<double>());
+  }
+  EXPECT_EQ(rays["all"]["traced"], traced);
+}
+
 TEST(RenderCommand, LeavesNothingBehindWhenItFails) {
   const TemporaryFolder folder;
   const auto thrown = [&](const char* output, auto&& change) {
@@ -70,7 +104,7 @@ TEST(RenderCommand, LeavesNothingBehindWhenItFails) {
 TEST(RenderWords, AreReadBack) {
   for (const char* word : {"none", "analytic", "mesh:7", "bevel:256"})
     EXPECT_EQ(roundingWord(parseRounding(word)), word);
-  for (const char* word : {"beauty", "albedo", "normal", "depth", "feature"})
+  for (const char* word : {"beauty", "albedo", "normal", "geometric_normal", "depth", "feature", "instance"})
     EXPECT_STREQ(aovWord(parseAov(word)), word);
   EXPECT_THAT(thrownBy([] { parseRounding("mesh:0"); }), StartsWith("out-of-range: "));
   EXPECT_THAT(thrownBy([] { parseRounding("bevel:257"); }), StartsWith("out-of-range: "));

@@ -48,8 +48,7 @@ TEST(RenderTile, IsPure) {
   for (const RenderControl& control : {one, two, three}) {
     const RenderResult again = renderTile(*prepare(everything(folder), {}), s, {0, 0, 53, 37}, control);
     EXPECT_EQ(again.image.rgba, first.image.rgba);
-    EXPECT_EQ(again.statistics.rays(), first.statistics.rays());
-    EXPECT_EQ(again.statistics.roundedHits, first.statistics.roundedHits);
+    EXPECT_EQ(again.statistics, first.statistics);
   }
   RenderSettings other = s;
   other.seed = 1;
@@ -141,9 +140,8 @@ TEST(Aovs, TellWhatTheFirstHitIs) {
   EXPECT_NEAR(at(Aov::Normal, 0.4, 0).value.r, 0.5, 1e-5) << "0.1 of 0.2 beside the cylinder's axis";
   EXPECT_EQ(at(Aov::Albedo, 0.49, 0.49).coverage, 0) << "beside the rounded corner";
   EXPECT_EQ(at(Aov::Albedo, 0.4, 0.4).coverage, 1);
-  EXPECT_EQ(statistics.cameraRays, 9u);
-  EXPECT_EQ(statistics.hits, 8u);
-  EXPECT_EQ(statistics.roundedHits, 4u);
+  EXPECT_EQ(statistics.camera, (RayCount{9, 8, 4}));
+  EXPECT_EQ(statistics.rays(), 9u);
 }
 
 } // namespace
