@@ -20,6 +20,7 @@
 namespace chamfer::http {
 
 enum class SceneState : std::uint8_t { Loading, Ready, Stale, Damaged, Failed };
+inline constexpr std::size_t kSceneStates = 5;
 const char* sceneStateWord(SceneState state);
 
 struct CatalogueEntry {

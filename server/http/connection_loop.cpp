@@ -34,8 +34,8 @@ Problem closing(int status, const char* kind, const std::string& detail) {
   return problem;
 }
 
-Problem overloaded(const std::string& detail) {
-  Problem problem = busy(detail, 1);
+Problem overloaded(Scarcity scarcity, const std::string& detail) {
+  Problem problem = busy(detail, 1, scarcity);
   problem.close = true;
   return problem;
 }
@@ -57,6 +57,13 @@ public:
   }
 
   ~Loop() {
+    stop();
+    ::close(wake_);
+    ::close(epoll_);
+  }
+
+  void stop() {
+    if (!thread_.joinable()) return;
     stopping_ = true;
     wake();
     thread_.join();
@@ -66,8 +73,8 @@ public:
     connections_.clear();
     for (const int socket : adopted_)
       ::close(socket);
-    ::close(wake_);
-    ::close(epoll_);
+    adopted_.clear();
+    open_ = busy_ = 0;
   }
 
   void adopt(int socket) {
@@ -79,7 +86,7 @@ public:
     wake();
   }
 
-  std::size_t busyConnections() const { return busy_; }
+  ConnectionCounts counts() const { return {open_, busy_, accepted_, dropped_}; }
 
 private:
   struct Completion {
@@ -138,7 +145,11 @@ private:
   void open(int socket) {
     auto connection = std::make_unique<Connection>();
     connection->socket = socket;
-    if (connections_.size() >= 2 * limits_.connections) return; // not even room to refuse it
+    ++accepted_;
+    if (connections_.size() >= 2 * limits_.connections) { // not even room to refuse it
+      ++dropped_;
+      return;
+    }
     configureSocket(socket);
     connection->serial = ++lastSerial_;
     connection->peer = addressOf(socket);
@@ -149,8 +160,9 @@ private:
     if (::epoll_ctl(epoll_, EPOLL_CTL_ADD, socket, &event) != 0) return;
     const bool full = connections_.size() >= limits_.connections && !closeLongestIdle();
     Connection& c = *connections_.emplace(connection->serial, std::move(connection)).first->second;
+    open_ = connections_.size();
     if (full)
-      refuse(c, overloaded("every connection of the server is in use"));
+      refuse(c, overloaded(Scarcity::Connections, "every connection of the server is in use"));
     else
       readMore(c);
   }
@@ -160,6 +172,13 @@ private:
     bodyBytes_ -= c.reserved;
     answerBytes_ -= c.out.size();
     connections_.erase(c.serial);
+    open_ = connections_.size();
+  }
+
+  /// Closes what the client would have kept open.
+  void drop(Connection& c) {
+    ++dropped_;
+    close(c);
   }
 
   /// Clients that leave their answers unread must not fill the memory. False: `but` is the only one.
@@ -168,7 +187,7 @@ private:
     for (const auto& [serial, c] : connections_)
       if (c->state == State::Writing && c.get() != &but && (!oldest || c->deadline < oldest->deadline))
         oldest = c.get();
-    if (oldest) close(*oldest);
+    if (oldest) drop(*oldest);
     return oldest != nullptr;
   }
 
@@ -177,7 +196,7 @@ private:
     for (const auto& [serial, c] : connections_)
       if (c->state == State::ReadingHead && c->in.empty() && (!longest || c->deadline < longest->deadline))
         longest = c.get();
-    if (longest) close(*longest);
+    if (longest) drop(*longest);
     return longest != nullptr;
   }
 
@@ -209,6 +228,8 @@ private:
           c->state == State::ReadingBody || (c->state == State::ReadingHead && !c->in.empty());
       if (reading)
         refuse(*c, closing(408, "timeout", "the request did not arrive in time"));
+      else if (c->state == State::Writing)
+        drop(*c);
       else
         close(*c);
     }
@@ -284,7 +305,7 @@ private:
       return false;
     }
     if (bodyBytes_ + length > limits_.bodyBytes) {
-      refuse(c, overloaded("the server holds as many request bodies as it can"));
+      refuse(c, overloaded(Scarcity::Bodies, "the server holds as many request bodies as it can"));
       return false;
     }
     bodyBytes_ += c.reserved = length;
@@ -324,7 +345,7 @@ private:
       }
       wake();
     });
-    if (!taken) return refuse(c, overloaded("too many requests are waiting"));
+    if (!taken) return refuse(c, overloaded(Scarcity::Workers, "too many requests are waiting"));
     arm(c, EPOLLRDHUP);
   }
 
@@ -392,7 +413,8 @@ private:
   const Dispatch dispatch_;
   const int epoll_, wake_;
   std::atomic<bool> stopping_ = false;
-  std::atomic<std::size_t> busy_ = 0;
+  std::atomic<std::size_t> busy_ = 0, open_ = 0;
+  std::atomic<std::uint64_t> accepted_ = 0, dropped_ = 0;
   std::mutex mutex_; ///< guards adopted_ and completions_
   std::vector<int> adopted_;
   std::vector<Completion> completions_;
@@ -406,7 +428,8 @@ private:
 ConnectionLoop::ConnectionLoop(const ConnectionLimits& limits, Dispatch dispatch)
     : loop_(std::make_unique<Loop>(limits, std::move(dispatch))) {}
 ConnectionLoop::~ConnectionLoop() = default;
+void ConnectionLoop::stop() { loop_->stop(); }
 void ConnectionLoop::adopt(int socket) { loop_->adopt(socket); }
-std::size_t ConnectionLoop::busyConnections() const { return loop_->busyConnections(); }
+ConnectionCounts ConnectionLoop::counts() const { return loop_->counts(); }
 
 } // namespace chamfer::http

@@ -32,6 +32,13 @@ struct ConnectionLimits {
   std::size_t bytesPerSecond = 64u << 10;     ///< the slowest transfer that is still waited for
 };
 
+struct ConnectionCounts {
+  std::size_t open = 0;
+  std::size_t busy = 0;       ///< requests being handled and answers being written now
+  std::uint64_t accepted = 0; ///< since the start
+  std::uint64_t dropped = 0;  ///< of these, closed for want of room or because their client read too slowly
+};
+
 /// A complete request, or the reason why there is none.
 struct RawRequest {
   RequestHead head;
@@ -53,15 +60,17 @@ public:
   using Dispatch = std::function<RawAnswer(RawRequest&)>;
 
   ConnectionLoop(const ConnectionLimits& limits, Dispatch dispatch);
-  /// Closes every connection, and waits for the requests being handled.
+  /// As stop().
   ~ConnectionLoop();
   ConnectionLoop(const ConnectionLoop&) = delete;
   ConnectionLoop& operator=(const ConnectionLoop&) = delete;
 
+  /// Closes every connection, and waits for the requests being handled. Nothing may be adopted from then on.
+  void stop();
   /// Takes over an accepted socket. Any thread.
   void adopt(int socket);
-  /// Requests being handled and answers being written now. Any thread.
-  std::size_t busyConnections() const;
+  /// Any thread.
+  ConnectionCounts counts() const;
 
 private:
   class Loop;

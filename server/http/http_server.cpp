@@ -91,7 +91,8 @@ public:
       // sent.
       response.headers.erase("Keep-Alive");
       response.headers.erase("Accept-Ranges");
-      if (response.status == 304 || (request.method == "HEAD" && response.body.empty()))
+      if (response.status == 204 || response.status == 304 ||
+          (request.method == "HEAD" && response.body.empty()))
         response.headers.erase("Content-Length");
     });
     set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
@@ -132,12 +133,12 @@ public:
   void stop(std::chrono::milliseconds grace) {
     stopAccepting();
     const auto end = std::chrono::steady_clock::now() + grace;
-    while (loop_ && loop_->busyConnections() > 0 && std::chrono::steady_clock::now() < end)
+    while (loop_->counts().busy > 0 && std::chrono::steady_clock::now() < end)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    loop_.reset();
+    loop_->stop();
   }
 
-  std::size_t busyConnections() const { return loop_ ? loop_->busyConnections() : 0; }
+  ConnectionCounts counts() const { return loop_->counts(); }
 
 private:
   bool process_and_close_socket(socket_t socket) override {
@@ -175,6 +176,6 @@ HttpServer::HttpServer(const ConnectionLimits& limits, RequestHandler handler)
 HttpServer::~HttpServer() = default;
 int HttpServer::start(const std::string& host, int port) { return library_->start(host, port); }
 void HttpServer::stop(std::chrono::milliseconds grace) { library_->stop(grace); }
-std::size_t HttpServer::busyConnections() const { return library_->busyConnections(); }
+ConnectionCounts HttpServer::counts() const { return library_->counts(); }
 
 } // namespace chamfer::http

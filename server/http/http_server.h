@@ -28,8 +28,8 @@ public:
   int start(const std::string& host, int port);
   /// Accepts no more connections, waits up to `grace` for the answers that are under way, closes the rest.
   void stop(std::chrono::milliseconds grace);
-  /// Requests being handled and answers being written now.
-  std::size_t busyConnections() const;
+  /// None once it has stopped.
+  ConnectionCounts counts() const;
 
 private:
   class Library;

@@ -64,6 +64,7 @@ void PreparedCache::evict() {
     --place;
     if (place == entries_.begin() || place->bytes == 0) continue; // the newest, or still being built
     bytes_ -= place->bytes;
+    ++evictions_;
     places_.erase(place->key);
     place = entries_.erase(place);
   }
@@ -71,7 +72,7 @@ void PreparedCache::evict() {
 
 PreparedCache::State PreparedCache::state() const {
   const std::lock_guard lock(mutex_);
-  return {entries_.size(), bytes_, limit_, hits_, builds_};
+  return {entries_.size(), bytes_, limit_, hits_, builds_, evictions_};
 }
 
 } // namespace chamfer::http

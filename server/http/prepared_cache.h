@@ -27,7 +27,7 @@ public:
                                            const std::function<bool()>& cancelled);
 
   struct State {
-    std::size_t entries, bytes, limit, hits, builds;
+    std::size_t entries, bytes, limit, hits, builds, evictions;
   };
   State state() const;
 
@@ -46,7 +46,7 @@ private:
   mutable std::mutex mutex_;
   std::list<Entry> entries_; ///< most recently used first
   std::unordered_map<std::string, Place> places_;
-  std::size_t bytes_ = 0, hits_ = 0, builds_ = 0;
+  std::size_t bytes_ = 0, hits_ = 0, builds_ = 0, evictions_ = 0;
 };
 
 } // namespace chamfer::http

@@ -7,7 +7,9 @@ namespace {
 
 constexpr std::size_t kLongestValue = 200; ///< of a client's value that an answer repeats
 
-const char* titleOf(int status) {
+} // namespace
+
+const char* problemTitle(int status) {
   switch (status) {
   case 400:
     return "Bad request";
@@ -50,8 +52,6 @@ const char* titleOf(int status) {
   }
 }
 
-} // namespace
-
 Problem badRequest(std::string detail) {
   return {.status = 400, .kind = errorWord(ErrorKind::Usage), .detail = std::move(detail)};
 }
@@ -69,11 +69,12 @@ Problem unsupportedMedia(std::string detail) {
   return {.status = 415, .kind = errorWord(ErrorKind::Unsupported), .detail = std::move(detail)};
 }
 
-Problem busy(std::string detail, int retryAfterSeconds) {
+Problem busy(std::string detail, int retryAfterSeconds, Scarcity scarcity) {
   return {.status = 503,
           .kind = errorWord(ErrorKind::Busy),
           .detail = std::move(detail),
-          .retryAfterSeconds = retryAfterSeconds};
+          .retryAfterSeconds = retryAfterSeconds,
+          .scarcity = scarcity};
 }
 
 std::string withoutRoot(std::string message, const std::string& root) {
@@ -98,7 +99,7 @@ Problem problemOf(const Error& error, const std::string& root) {
 
 Response toResponse(const Problem& problem, const std::string& requestId) {
   nlohmann::ordered_json body{{"type", "urn:chamfer:problem:" + problem.kind},
-                              {"title", titleOf(problem.status)},
+                              {"title", problemTitle(problem.status)},
                               {"status", problem.status},
                               {"detail", problem.detail}};
   if (!problem.parameter.empty()) {

@@ -35,7 +35,7 @@ RenderQueue::Slot RenderQueue::acquire(const std::string& client, const std::fun
   if (waiting_.size() >= places_)
     throw ProblemError(busy(std::to_string(running_) + " requests are rendered and " +
                                 std::to_string(waiting_.size()) + " wait, which is all that may",
-                            retryAfterSeconds()));
+                            retryAfterSeconds(), Scarcity::RenderQueue));
   Waiter self{client};
   const auto place = waiting_.insert(waiting_.end(), &self);
   while (!wake_.wait_for(lock, kPoll, [&] { return self.granted; })) {

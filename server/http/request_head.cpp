@@ -8,8 +8,6 @@
 namespace chamfer::http {
 namespace {
 
-constexpr std::size_t kMaxHeaderFields = 100;
-
 /// RFC 9110, 5.6.2.
 bool tokenCharacter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||

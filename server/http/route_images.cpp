@@ -2,49 +2,20 @@
 #include "server/http/log.h"
 #include "server/http/problem.h"
 #include "server/http/routes.h"
+#include "server/http/stage_timing.h"
 #include "server/http/tile_request.h"
 #include "server/http/url.h"
 #include "server/render/image_io.h"
 
-#include <cstdio>
-
 namespace chamfer::http {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-/// What makes a tile's URL name its bytes for good is the scene's digest in it.
-constexpr const char* kForever = "public, max-age=31536000, immutable";
-
-/// Server-Timing (W3C): durations in milliseconds.
-class Timing {
-public:
-  void lap(const char* name) {
-    const Clock::time_point now = Clock::now();
-    char text[64];
-    std::snprintf(text, sizeof text, "%s%s;dur=%.3f", text_.empty() ? "" : ", ", name,
-                  std::chrono::duration<double, std::milli>(now - since_).count());
-    text_ += text;
-    since_ = now;
-  }
-  const std::string& text() const { return text_; }
-
-private:
-  std::string text_;
-  Clock::time_point since_ = Clock::now();
-};
-
-Response redirectToId(const Request& request, const Scene& scene, std::string_view word,
-                      std::span<const std::string_view> segments) {
-  std::string location = "/v1/scenes/" + scene.id.hex() + '/' + std::string(word);
+/// What follows the scene in the path, as sent.
+std::string restOf(std::string_view word, std::span<const std::string_view> segments) {
+  std::string rest(word);
   for (const std::string_view segment : segments)
-    location += '/' + std::string(segment);
-  if (!request.query.empty()) location += '?' + request.query;
-  Response response;
-  response.status = 307;
-  response.headers.emplace_back("Location", std::move(location));
-  response.headers.emplace_back("Cache-Control", "no-store"); // the name may stand for another scene soon
-  return response;
+    rest += '/' + std::string(segment);
+  return rest;
 }
 
 std::string encoded(const Image& image, const TileRequest& wanted) {
@@ -76,18 +47,19 @@ Response imageRoute(const Parts& parts, const Request& request, const std::share
   response.contentType = contentTypeOf(wanted.format);
   if (request.method == "HEAD") return response; // known without rendering
 
-  Timing timing;
+  StageTiming timing(parts.metrics);
   const RenderQueue::Slot slot = parts.queue.acquire(request.client, request.cancelled);
-  timing.lap("queue");
+  timing.lap(Stage::Queue);
   const auto ready = preparedFor(parts, scene, wanted.rounding, request.cancelled);
-  timing.lap("prepare");
+  timing.lap(Stage::Prepare);
   const RenderControl control{parts.options.threads, request.cancelled, nullptr};
   const RenderResult result = renderTile(*ready, wanted.settings, wanted.tile, control);
-  timing.lap("render");
+  timing.lap(Stage::Render);
   response.body = encoded(result.image, wanted);
-  timing.lap("encode");
+  timing.lap(Stage::Encode);
 
   const RayStatistics& rays = result.statistics;
+  parts.metrics.traced(rays);
   response.headers.emplace_back("Server-Timing", timing.text());
   response.headers.emplace_back("X-Chamfer-Rays", std::to_string(rays.rays()));
   response.headers.emplace_back("X-Chamfer-Hits", std::to_string(rays.hits()));
@@ -106,7 +78,7 @@ Response tileRoute(const Parts& parts, const Request& request, const CatalogueEn
                    const std::string& scene, std::span<const std::string_view> segments) {
   const TileRequest wanted = parseTile(segments, request.query);
   const auto ready = readyScene(entry);
-  if (scene != ready->id.hex()) return redirectToId(request, *ready, "tiles", segments);
+  if (scene != ready->id.hex()) return redirectToId(request, *ready, restOf("tiles", segments));
   return imageRoute(parts, request, ready, wanted);
 }
 
@@ -114,7 +86,7 @@ Response frameRoute(const Parts& parts, const Request& request, const CatalogueE
                     const std::string& scene, std::span<const std::string_view> segments) {
   const TileRequest wanted = parseFrame(segments, request.query);
   const auto ready = readyScene(entry);
-  if (scene != ready->id.hex()) return redirectToId(request, *ready, "frames", segments);
+  if (scene != ready->id.hex()) return redirectToId(request, *ready, restOf("frames", segments));
   Response response = imageRoute(parts, request, ready, wanted);
   if (response.status == 200) {
     const std::string base = entry.name.substr(entry.name.rfind('/') + 1);

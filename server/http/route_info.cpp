@@ -1,3 +1,4 @@
+#include "server/http/openapi.h"
 #include "server/http/routes.h"
 #include "server/http/schema.h"
 #include "server/http/version.h"
@@ -19,20 +20,20 @@ Json parameterJson(const ParameterRow& row) {
 
 } // namespace
 
+Response openApiRoute(const Parts& parts, const Request& request) {
+  const Json document = openApiDocument(!parts.options.keys.empty());
+  return cacheable(request, document.dump(1) + "\n", "application/json", "no-cache");
+}
+
 Response infoRoute(const Parts& parts, const Request& request) {
   const RenderQueue::State queue = parts.queue.state();
   const PreparedCache::State cache = parts.cache.state();
   Json info{{"name", "chamferd"}, {"version", kVersion}};
   info["formats"] = {{"tiles", {"f16", "exr", "png"}}, {"frames", {"exr", "png"}}};
-  info["limits"] = {{"tile_pixels", kMaxTilePixels},
-                    {"frame_pixels", kMaxFramePixels},
-                    {"request_samples", kMaxRequestSamples},
-                    {"rays", kMaxRays},
-                    {"body_bytes", kMaxBodyBytes},
-                    {"head_bytes", kMaxHeadBytes},
-                    {"target_bytes", kMaxTargetBytes},
-                    {"deadline_seconds", std::chrono::duration<double>(parts.options.deadline).count()},
-                    {"connections", parts.options.connections}};
+  for (const LimitRow& row : limitRows())
+    info["limits"][row.name] = row.value;
+  info["limits"]["deadline_seconds"] = std::chrono::duration<double>(parts.options.deadline).count();
+  info["limits"]["connections"] = parts.options.connections;
   info["parameters"] = Json::array();
   for (const ParameterRow& row : parameterRows())
     info["parameters"].push_back(parameterJson(row));
@@ -41,11 +42,9 @@ Response infoRoute(const Parts& parts, const Request& request) {
                    {"places", queue.places},
                    {"waiting", queue.waiting},
                    {"retry_after_seconds", queue.retryAfterSeconds}};
-  info["prepared_scenes"] = {{"count", cache.entries},
-                             {"bytes", cache.bytes},
-                             {"limit_bytes", cache.limit},
-                             {"hits", cache.hits},
-                             {"builds", cache.builds}};
+  info["prepared_scenes"] = {{"count", cache.entries},     {"bytes", cache.bytes},
+                             {"limit_bytes", cache.limit}, {"hits", cache.hits},
+                             {"builds", cache.builds},     {"evictions", cache.evictions}};
   return cacheable(request, info.dump() + "\n", "application/json", "no-store");
 }
 

@@ -66,14 +66,18 @@ Response raysRoute(const Parts& parts, const Request& request, const CatalogueEn
   std::vector<std::optional<TraceHit>> hits(list.rays.size());
   trace(ownTracer(*ready), list, hits, parts.options.threads, request.cancelled);
 
+  RayCount count{.traced = hits.size()};
+  for (const std::optional<TraceHit>& hit : hits) {
+    count.hits += hit.has_value();
+    count.rounded += hit && hit->rounded();
+  }
+  parts.metrics.tracedBatch(count);
+
   Response response;
   response.contentType = "application/json";
   response.headers.emplace_back("Cache-Control", "no-store");
   response.headers.emplace_back("X-Chamfer-Rays", std::to_string(hits.size()));
-  response.headers.emplace_back("X-Chamfer-Rounded",
-                                std::to_string(std::count_if(hits.begin(), hits.end(), [](const auto& hit) {
-                                  return hit && hit->rounded();
-                                })));
+  response.headers.emplace_back("X-Chamfer-Rounded", std::to_string(count.rounded));
   response.body = printHits(hits);
   return response;
 }

@@ -20,6 +20,16 @@ Response sceneRoute(const Request& request, const CatalogueEntry& entry, const s
   return cacheable(request, sceneDetailJson(entry, root) + "\n", "application/json", "no-cache");
 }
 
+Response redirectToId(const Request& request, const Scene& scene, const std::string& rest) {
+  std::string location = "/v1/scenes/" + scene.id.hex() + '/' + rest;
+  if (!request.query.empty()) location += '?' + request.query;
+  Response response;
+  response.status = 307;
+  response.headers.emplace_back("Location", std::move(location));
+  response.headers.emplace_back("Cache-Control", "no-store"); // the name may stand for another scene soon
+  return response;
+}
+
 std::shared_ptr<const Scene> readyScene(const CatalogueEntry& entry) {
   if (entry.state == SceneState::Ready) return entry.scene;
   if (entry.state == SceneState::Loading) throw ProblemError(busy("the scene is being loaded", 1));

@@ -4,6 +4,7 @@
 
 #include "server/http/catalogue.h"
 #include "server/http/message.h"
+#include "server/http/metrics.h"
 #include "server/http/prepared_cache.h"
 #include "server/http/render_queue.h"
 #include "server/http/static_files.h"
@@ -34,8 +35,14 @@ struct Parts {
   const StaticFiles& files;
   PreparedCache& cache;
   RenderQueue& queue;
+  Metrics& metrics;
 };
 
+/// Cache-Control of what a scene's id in the URL makes a function of the URL.
+inline constexpr const char* kForever = "public, max-age=31536000, immutable";
+
+/// GET /v1/openapi.json
+Response openApiRoute(const Parts& parts, const Request& request);
 /// GET /v1/info
 Response infoRoute(const Parts& parts, const Request& request);
 /// GET /v1/scenes
@@ -48,6 +55,9 @@ Response tileRoute(const Parts& parts, const Request& request, const CatalogueEn
                    const std::string& scene, std::span<const std::string_view> segments);
 Response frameRoute(const Parts& parts, const Request& request, const CatalogueEntry& entry,
                     const std::string& scene, std::span<const std::string_view> segments);
+/// GET /v1/scenes/{scene}/preview.glb; `scene` as for tiles.
+Response previewRoute(const Parts& parts, const Request& request, const CatalogueEntry& entry,
+                      const std::string& scene);
 /// POST /v1/scenes/{scene}/rays
 Response raysRoute(const Parts& parts, const Request& request, const CatalogueEntry& entry);
 /// GET of the page's files. Throws ProblemError (404).
@@ -63,6 +73,8 @@ std::shared_ptr<const PreparedScene> preparedFor(const Parts& parts,
                                                  const std::shared_ptr<const Scene>& scene,
                                                  const RoundingChoice& choice, const Cancellation& cancelled);
 
+/// 307 to the same resource of the scene's id. `rest`: the path below the scene, still encoded.
+Response redirectToId(const Request& request, const Scene& scene, const std::string& rest);
 /// 200 with `body`, or 304 when the client has it already. The ETag is the body's digest.
 Response cacheable(const Request& request, std::string body, const char* contentType,
                    const char* cacheControl);

@@ -13,6 +13,7 @@ constexpr double kMaxCoordinate = 1e12;
 constexpr double kMaxSample = 1u << 20;
 
 constexpr ParameterRow kRows[] = {
+    {"scene", "path", ParameterKind::Text, "", "", 0, 0, false, "", "name or id of a scene, as listed"},
     {"width", "path", ParameterKind::Integer, "pixels", "", 1, 65536, false, "", "of the whole frame"},
     {"height", "path", ParameterKind::Integer, "pixels", "", 1, 65536, false, "", "of the whole frame"},
     {"x", "path", ParameterKind::Integer, "pixels", "", 0, 65535, false, "", "left column of the tile"},
@@ -32,10 +33,13 @@ constexpr ParameterRow kRows[] = {
      kMaxCoordinate, false, "ex,ey,ez,tx,ty,tz,ux,uy,uz,vfov[,aperture,focus]",
      "eye, target, up, vertical field of view; aperture diameter and focus distance (0: distance to the "
      "target)"},
-    {"vfov", "query", ParameterKind::Number, "degrees", "", 0.01, 170, false, "", "tenth number of camera"},
+    {"vfov", "camera", ParameterKind::Number, "degrees", "", 0.01, 170, false, "", "tenth number of camera"},
     {"rounding", "query, body", ParameterKind::Word, "", "analytic", 0, 0, false,
      "analytic|none|mesh:K|bevel:N",
      "the exact rounding, the sharp mesh, the explicit rounded mesh of K segments, or a shader of N probes"},
+    {"K", "rounding", ParameterKind::Integer, "segments", "", 1, 256, false, "",
+     "over a quarter turn of mesh:K"},
+    {"N", "rounding", ParameterKind::Integer, "probes", "", 1, 256, false, "", "of bevel:N at every hit"},
     {"radius", "query, body", ParameterKind::Number, "mesh units", "the sidecar's", 0, kMaxCoordinate, true,
      "", "rounding radius; it must be below radius.max of the scene"},
     {"seed", "query", ParameterKind::Integer, "", "0", 0, 4294967295.0, false, "", "of the sampler"},
@@ -47,6 +51,18 @@ constexpr ParameterRow kRows[] = {
      "one list of six numbers a ray: origin and direction; the direction must not be zero"},
     {"tnear", "body", ParameterKind::Number, "lengths of the ray's direction", "0", 0, 1e30, false, "",
      "hits must lie beyond it"},
+};
+
+constexpr LimitRow kLimits[] = {
+    {"tile_pixels", kMaxTilePixels, "of one tile"},
+    {"frame_pixels", kMaxFramePixels, "of one frame"},
+    {"request_samples", kMaxRequestSamples, "pixels times samples of one request"},
+    {"rays", kMaxRays, "of one batch"},
+    {"body_bytes", kMaxBodyBytes, "of a request's body"},
+    {"head_bytes", kMaxHeadBytes, "of a request's head"},
+    {"header_fields", kMaxHeaderFields, "of a request's head"},
+    {"target_bytes", kMaxTargetBytes, "of a request's path and query"},
+    {"preview_bytes", kMaxPreviewBytes, "of a scene's preview.glb; larger ones are not made"},
 };
 
 Problem valueProblem(int status, ErrorKind kind, const ParameterRow& row, std::string_view value,
@@ -68,6 +84,8 @@ std::string rangeText(const ParameterRow& row) {
 
 std::span<const ParameterRow> parameterRows() { return kRows; }
 
+std::span<const LimitRow> limitRows() { return kLimits; }
+
 const ParameterRow& parameterRow(std::string_view name) {
   for (const ParameterRow& row : kRows)
     if (row.name == name) return row;
@@ -84,6 +102,8 @@ const char* kindWord(ParameterKind kind) {
     return "numbers";
   case ParameterKind::Word:
     return "word";
+  case ParameterKind::Text:
+    return "text";
   }
   return "";
 }
@@ -92,7 +112,7 @@ std::string limitsJson(const ParameterRow& row) {
   nlohmann::ordered_json limits = nlohmann::ordered_json::object();
   if (row.kind == ParameterKind::Word) {
     limits["one_of"] = row.words;
-  } else {
+  } else if (row.kind != ParameterKind::Text) {
     if (row.kind == ParameterKind::Numbers) limits["numbers"] = row.words;
     // Whole limits are printed without a fraction.
     const auto put = [&](const char* key, double value) {

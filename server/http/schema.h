@@ -1,5 +1,6 @@
-// Every parameter of the interface, one row each: where it stands, kind, unit, default, limits. The parsers
-// check against these rows, errors quote them, and /v1/info prints them.
+// Every parameter of the interface, one row each: where it stands, kind, unit, default, limits; and the
+// limits of requests as a whole. The parsers check against these rows, errors quote them, /v1/info and
+// /v1/openapi.json print them.
 #pragma once
 
 #include <cstddef>
@@ -11,19 +12,23 @@
 
 namespace chamfer::http {
 
-enum class ParameterKind : std::uint8_t { Integer, Number, Numbers, Word };
+enum class ParameterKind : std::uint8_t { Integer, Number, Numbers, Word, Text };
 
 struct ParameterRow {
   std::string_view name;
-  std::string_view where; ///< "path", "query" or "body"; "query, body" when both
+  std::string_view where; ///< "path", "query" or "body"; "query, body" when both; a part's: the whole's name
   ParameterKind kind;
   std::string_view unit;     ///< empty: none
   std::string_view fallback; ///< what holds when it is absent; empty: it must be given
   double minimum = 0;        ///< Integer and Number
   double maximum = 0;
   bool aboveMinimum = false; ///< the minimum itself is outside
-  std::string_view words;    ///< Word: the words, '|' between them. Numbers: the names of the numbers
+  std::string_view words;    ///< Word: the words, '|' between them, a capital for a number of its own row.
+                             ///< Numbers: the names of the numbers, in brackets those that may be left out
   std::string_view about;
+
+  /// Does it stand in a request's "path", "query" or "body"?
+  bool standsIn(std::string_view place) const { return where.find(place) != std::string_view::npos; }
 };
 
 /// Work that one request may ask for.
@@ -36,6 +41,17 @@ inline constexpr std::size_t kMaxRays = 100'000;
 inline constexpr std::size_t kMaxBodyBytes = 32u << 20;
 inline constexpr std::size_t kMaxHeadBytes = 16u << 10;
 inline constexpr std::size_t kMaxTargetBytes = 4096;
+inline constexpr std::size_t kMaxHeaderFields = 100;
+/// Of preview.glb.
+inline constexpr std::size_t kMaxPreviewBytes = 32u << 20;
+
+struct LimitRow {
+  std::string_view name; ///< its unit is the last word
+  std::uint64_t value;
+  std::string_view about;
+};
+/// All of the above, under the names by which /v1/info prints them.
+std::span<const LimitRow> limitRows();
 
 std::span<const ParameterRow> parameterRows();
 /// The row of that name; it must exist.

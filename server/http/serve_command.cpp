@@ -130,6 +130,7 @@ int runServeCommand(const ServeCommandOptions& options) {
   limits.workers = service.blockingRequests() + kQuickWorkers;
   HttpServer server(
       limits, [&](Request& request, const Problem* refusal) { return service.answer(request, refusal); });
+  service.observeConnections([&server] { return server.counts(); });
 
   const int port = server.start(options.host, options.port);
   catalogue.start();
@@ -146,7 +147,7 @@ int runServeCommand(const ServeCommandOptions& options) {
   logMessage(LogLevel::Info, "stopping: what is under way is finished, nothing new is taken");
   service.drain();
   const auto end = Clock::now() + fromSeconds(options.drainSeconds);
-  while (server.busyConnections() > 0 && Clock::now() < end && !signals.within(kTick)) {
+  while (server.counts().busy > 0 && Clock::now() < end && !signals.within(kTick)) {
   }
   service.cancelAll();
   server.stop(milliseconds(2'000));

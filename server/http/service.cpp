@@ -9,12 +9,23 @@
 namespace chamfer::http {
 namespace {
 
-constexpr const char* kRead = "GET, HEAD";
-constexpr int kClientGone = 499; ///< in the log; nobody is left to read it
+void allow(const Request& request, const RouteRow& row) {
+  std::string_view methods = row.methods;
+  for (;;) {
+    const std::size_t comma = methods.find(", ");
+    if (methods.substr(0, comma) == request.method) return;
+    if (comma == std::string_view::npos) throw ProblemError(methodNotAllowed(std::string(row.methods)));
+    methods.remove_prefix(comma + 2);
+  }
+}
 
-void allow(const Request& request, const char* methods) {
-  const bool read = request.method == "GET" || request.method == "HEAD";
-  if (methods == kRead ? !read : request.method != methods) throw ProblemError(methodNotAllowed(methods));
+/// What a resource can do. No header of CORS is in it, so that browsers keep pages of other sites out.
+Response optionsOf(const RouteRow& row) {
+  Response response;
+  response.status = 204;
+  response.headers.emplace_back("Allow", row.methods);
+  response.headers.emplace_back("Cache-Control", "no-store");
+  return response;
 }
 
 void allowNoQuery(const Request& request) {
@@ -41,18 +52,6 @@ bool usableAsId(const std::string& id) {
   });
 }
 
-std::string decodedName(std::span<const std::string_view> segments) {
-  std::string name;
-  for (const std::string_view segment : segments) {
-    const auto part = percentDecode(segment);
-    if (!part)
-      throw ProblemError(badRequest("the path has a broken percent escape, or one of a control character"));
-    if (!name.empty()) name += '/';
-    name += *part;
-  }
-  return name;
-}
-
 Response plainText(std::string text) {
   Response response;
   response.contentType = "text/plain; charset=utf-8";
@@ -64,7 +63,7 @@ Response plainText(std::string text) {
 Problem cancelledProblem(const Request& request) {
   if (*request.cancelled.clientGone) {
     Problem problem;
-    problem.status = kClientGone;
+    problem.status = kStatusClientGone;
     problem.kind = "client-gone";
     problem.close = true;
     return problem;
@@ -82,7 +81,8 @@ Problem cancelledProblem(const Request& request) {
 Service::Service(ServiceOptions options, const Catalogue& catalogue, StaticFiles files)
     : options_(std::move(options)), catalogue_(catalogue), files_(std::move(files)),
       cache_(options_.cacheBytes, options_.threads),
-      queue_(options_.slots, options_.waiting), parts_{options_, catalogue_, files_, cache_, queue_},
+      queue_(options_.slots, options_.waiting), parts_{options_, catalogue_, files_,
+                                                       cache_,   queue_,     metrics_},
       requests_((std::uint64_t{std::random_device{}()} << 32) | std::random_device{}()) {}
 
 std::string Service::newRequestId() {
@@ -101,97 +101,117 @@ Response Service::answer(Request& request, const Problem* refusal) {
   const std::string* given = request.header("x-request-id");
   request.id = given && usableAsId(*given) ? *given : newRequestId();
 
+  const RouteRow* row = nullptr;
+  const auto problemResponse = [&](const Problem& problem) {
+    metrics_.refused(problem);
+    return toResponse(problem, request.id);
+  };
   Response response;
   try {
-    response = refusal ? toResponse(*refusal, request.id) : route(request);
+    response = refusal ? problemResponse(*refusal) : route(request, row);
   } catch (const ProblemError& error) {
-    response = toResponse(error.problem(), request.id);
+    response = problemResponse(error.problem());
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::Internal)
       logMessage(LogLevel::Error, "request " + request.id + ": " + error.what());
-    response = toResponse(error.kind() == ErrorKind::Cancelled ? cancelledProblem(request)
-                                                               : problemOf(error, catalogue_.root().string()),
-                          request.id);
+    response =
+        problemResponse(error.kind() == ErrorKind::Cancelled ? cancelledProblem(request)
+                                                             : problemOf(error, catalogue_.root().string()));
   } catch (const std::bad_alloc&) {
-    response = toResponse(busy("the server is short of memory", 10), request.id);
+    response = problemResponse(busy("the server is short of memory", 10, Scarcity::Memory));
   } catch (const std::exception& error) { // a library's text stays in the log
     logMessage(LogLevel::Error, "request " + request.id + ": " + error.what());
-    response = toResponse(problemOf(Error(ErrorKind::Internal, ""), ""), request.id);
+    response = problemResponse(problemOf(Error(ErrorKind::Internal, ""), ""));
   }
   response.headers.emplace_back("X-Content-Type-Options", "nosniff");
   response.headers.emplace_back("X-Request-Id", request.id);
   if (draining_) response.close = true;
 
-  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  const std::size_t bytes = request.method == "HEAD" ? 0 : response.body.size();
+  metrics_.answered(row, response.status, took.count(), bytes);
   logRequest({request.id, request.client, request.method,
               request.query.empty() ? request.path : request.path + '?' + request.query, response.status,
-              took.count(), request.method == "HEAD" ? 0 : response.body.size()});
+              took.count() * 1000, bytes});
   return response;
 }
 
-Response Service::route(const Request& request) {
+Response Service::route(const Request& request, const RouteRow*& row) {
+  row = fixedRoute(request.path);
+  // Health is asked for by whatever name the balancer has for this server.
+  if (!row || !row->anyHost) checkHost(request);
+  if (!row || row->needsKey) checkKey(request);
+  if (row) {
+    allow(request, *row);
+    return request.method == "OPTIONS" ? optionsOf(*row) : answerRoute(*row, request);
+  }
   const auto segments = splitPath(request.path);
-  if (segments.size() == 1 && (segments[0] == "livez" || segments[0] == "readyz")) {
-    // Health is asked for by whatever name the balancer has for this server.
-    allow(request, kRead);
-    return segments[0] == "livez" ? plainText("ok\n") : ready();
-  }
-  checkHost(request);
-  if (segments[0] == "v1") {
-    checkKey(request);
-    if (segments.size() == 2 && segments[1] == "info") {
-      allow(request, kRead);
-      allowNoQuery(request);
-      return infoRoute(parts_, request);
-    }
-    if (segments.size() == 2 && segments[1] == "scenes") {
-      allow(request, kRead);
-      allowNoQuery(request);
-      return scenesRoute(parts_, request);
-    }
-    if (segments.size() > 2 && segments[1] == "scenes")
-      return sceneResource(request, std::span(segments).subspan(2));
-    throw ProblemError(notFound("there is nothing under this path; GET /v1/info and /v1/scenes are"));
-  }
-  const std::string path = decodedName(segments);
-  allow(request, kRead);
-  return fileRoute(files_, request, path);
+  const SceneMatch match =
+      sceneRouteOf(segments, [this](const std::string& name) { return catalogue_.find(name) != nullptr; });
+  row = match.row;
+  if (!row) throw ProblemError(notFound("there is nothing under this path; GET /v1/info and /v1/scenes are"));
+  allow(request, *row);
+  return request.method == "OPTIONS" ? optionsOf(*row) : answerScene(match, request);
 }
 
-Response Service::sceneResource(const Request& request, std::span<const std::string_view> segments) {
-  // A scene's name may hold slashes, sent plain or as %2F. What looks like a resource below a scene is one,
-  // unless a scene has all of it as its name.
-  std::size_t nameEnd = segments.size();
-  std::string_view word;
-  if (!catalogue_.find(decodedName(segments))) {
-    for (std::size_t i = segments.size(); i-- > 1;)
-      if (segments[i] == "tiles" || segments[i] == "frames" ||
-          (segments[i] == "rays" && i + 1 == segments.size())) {
-        nameEnd = i;
-        word = segments[i];
-        break;
-      }
+Response Service::answerRoute(const RouteRow& row, const Request& request) {
+  if (row.needsKey) allowNoQuery(request);
+  switch (row.id) {
+  case RouteId::Live:
+    return plainText("ok\n");
+  case RouteId::Ready:
+    return ready();
+  case RouteId::Metrics:
+    return metricsText();
+  case RouteId::OpenApi:
+    return openApiRoute(parts_, request);
+  case RouteId::Info:
+    return infoRoute(parts_, request);
+  case RouteId::Scenes:
+    return scenesRoute(parts_, request);
+  default:
+    return fileRoute(files_, request, decodePath(splitPath(request.path)));
   }
-  const std::string name = decodedName(segments.first(nameEnd));
-  const auto rest = segments.subspan(std::min(nameEnd + 1, segments.size()));
-  allow(request, word == "rays" ? "POST" : kRead);
+}
 
-  const auto entry = catalogue_.find(name);
+Response Service::answerScene(const SceneMatch& match, const Request& request) {
+  const auto entry = catalogue_.find(match.scene);
   if (!entry) {
     if (!catalogue_.loaded()) throw ProblemError(busy("the scenes are being loaded", 1));
     Problem problem = notFound("there is no scene of this name or id; GET /v1/scenes lists them");
     problem.parameter = "scene";
-    problem.value = name;
+    problem.value = match.scene;
     throw ProblemError(problem);
   }
-  if (word.empty()) {
+  if (match.row->id == RouteId::Scene) {
     allowNoQuery(request);
     return sceneRoute(request, *entry, catalogue_.root().string());
   }
   if (draining_) throw ProblemError(busy("the server is shutting down", 5));
-  if (word == "tiles") return tileRoute(parts_, request, *entry, name, rest);
-  if (word == "frames") return frameRoute(parts_, request, *entry, name, rest);
-  return raysRoute(parts_, request, *entry);
+  switch (match.row->id) {
+  case RouteId::Tile:
+    return tileRoute(parts_, request, *entry, match.scene, match.rest);
+  case RouteId::Frame:
+    return frameRoute(parts_, request, *entry, match.scene, match.rest);
+  case RouteId::Preview:
+    allowNoQuery(request);
+    return previewRoute(parts_, request, *entry, match.scene);
+  default:
+    return raysRoute(parts_, request, *entry);
+  }
+}
+
+Response Service::metricsText() const {
+  MetricsNow now;
+  now.queue = queue_.state();
+  now.cache = cache_.state();
+  for (const auto& entry : catalogue_.list())
+    ++now.scenes[static_cast<std::size_t>(entry->state)];
+  if (connections_) now.connections = connections_();
+  now.draining = draining_;
+  Response response = plainText(metrics_.text(now));
+  response.contentType = kMetricsMediaType;
+  return response;
 }
 
 Response Service::ready() const {

@@ -2,7 +2,9 @@
 // answer, adds what all answers carry, and writes the request log.
 #pragma once
 
+#include "server/http/connection_loop.h"
 #include "server/http/problem.h"
+#include "server/http/route_table.h"
 #include "server/http/routes.h"
 
 #include <atomic>
@@ -17,6 +19,8 @@ public:
   /// As RequestHandler in http_server.h. Any thread; does not throw.
   Response answer(Request& request, const Problem* refusal = nullptr);
 
+  /// How connections stand, for the metrics; without one, there are none. Before the first request.
+  void observeConnections(std::function<ConnectionCounts()> counts) { connections_ = std::move(counts); }
   /// From now on not ready, and no new work is taken; what is under way goes on.
   void drain() { draining_ = true; }
   /// Ends what is under way.
@@ -25,9 +29,12 @@ public:
   unsigned blockingRequests() const { return options_.slots + options_.waiting; }
 
 private:
-  Response route(const Request& request);
-  Response sceneResource(const Request& request, std::span<const std::string_view> segments);
+  /// `row`: the request's, as soon as it is known.
+  Response route(const Request& request, const RouteRow*& row);
+  Response answerRoute(const RouteRow& row, const Request& request);
+  Response answerScene(const SceneMatch& match, const Request& request);
   Response ready() const;
+  Response metricsText() const;
   void checkHost(const Request& request) const;
   void checkKey(const Request& request) const;
   std::string newRequestId();
@@ -37,7 +44,9 @@ private:
   const StaticFiles files_;
   PreparedCache cache_;
   RenderQueue queue_;
+  Metrics metrics_;
   const Parts parts_;
+  std::function<ConnectionCounts()> connections_;
   std::atomic<bool> draining_ = false;
   const std::shared_ptr<std::atomic<bool>> shuttingDown_ = std::make_shared<std::atomic<bool>>(false);
   std::atomic<std::uint64_t> requests_;

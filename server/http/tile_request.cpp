@@ -78,6 +78,13 @@ void parseSamples(std::string_view segment, TileRequest& request) {
   throwSyntax(parameterRow("format"), word, "the format is not known");
 }
 
+std::string queryNames() {
+  std::string names;
+  for (const ParameterRow& row : parameterRows())
+    if (row.standsIn("query")) names += (names.empty() ? "" : ", ") + std::string(row.name);
+  return names;
+}
+
 void parseQueryInto(std::string_view text, TileRequest& request) {
   for (const auto& [name, value] : parseQuery(text)) {
     if (name == "camera")
@@ -99,8 +106,7 @@ void parseQueryInto(std::string_view text, TileRequest& request) {
         throwSyntax(parameterRow("aov"), value, error.what());
       }
     } else {
-      Problem problem = badRequest("there is no parameter \"" + name +
-                                   "\"; known: camera, rounding, radius, seed, bounces, aov");
+      Problem problem = badRequest("there is no parameter \"" + name + "\"; known: " + queryNames());
       problem.parameter = name;
       problem.value = value;
       throw ProblemError(problem);

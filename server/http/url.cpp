@@ -73,6 +73,18 @@ std::vector<std::string_view> splitPath(std::string_view path) {
   }
 }
 
+std::string decodePath(std::span<const std::string_view> segments) {
+  std::string path;
+  for (const std::string_view segment : segments) {
+    const auto part = percentDecode(segment);
+    if (!part)
+      throw ProblemError(badRequest("the path has a broken percent escape, or one of a control character"));
+    if (!path.empty()) path += '/';
+    path += *part;
+  }
+  return path;
+}
+
 Query parseQuery(std::string_view text) {
   Query query;
   if (text.empty()) return query;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,9 @@ std::string percentEncode(std::string_view text, bool keepSlashes = true);
 /// The path's segments as sent (still encoded): "/v1/scenes/a%2Fb" -> "v1", "scenes", "a%2Fb". A final '/'
 /// gives a last empty segment; "/" gives one empty segment.
 std::vector<std::string_view> splitPath(std::string_view path);
+
+/// The segments decoded, '/' between them. Throws ProblemError (400) for a broken escape.
+std::string decodePath(std::span<const std::string_view> segments);
 
 /// Decoded name=value pairs in the order sent.
 using Query = std::vector<std::pair<std::string, std::string>>;

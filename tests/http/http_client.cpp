@@ -63,7 +63,7 @@ std::optional<Reply> Connection::receive(bool head, std::chrono::milliseconds pa
     reply.headers[lower(lines.substr(at, colon - at))] = lines.substr(colon + 2, lineEnd - colon - 2);
     at = lineEnd + 2;
   }
-  if (head || reply.status == 304 || reply.status == 100) return reply;
+  if (head || reply.status == 204 || reply.status == 304 || reply.status == 100) return reply;
   const std::size_t length = std::stoul(reply.header("content-length"));
   while (buffer_.size() < length)
     if (!fill(patience)) return std::nullopt;

@@ -220,9 +220,9 @@ TEST_F(Server, ClientThatReadsNothingIsDropped) {
   Connection deaf(port_);
   for (int i = 0; i < 3000; ++i) // more answers than the socket's buffers hold
     if (!deaf.send(requestText("GET", "/"))) break;
-  for (int i = 0; i < 400 && server_->busyConnections() > 0; ++i)
+  for (int i = 0; i < 400 && server_->counts().busy > 0; ++i)
     std::this_thread::sleep_for(milliseconds(10));
-  EXPECT_EQ(server_->busyConnections(), 0u);
+  EXPECT_EQ(server_->counts().busy, 0u);
   expectAlive();
 }
 
@@ -238,9 +238,9 @@ TEST_F(Server, UnreadAnswersHaveABound) {
     deaf.push_back(std::make_unique<Connection>(port_));
     deaf.back()->send(requestText("GET", large));
   }
-  for (int i = 0; i < 3000 && server_->busyConnections() != 1; ++i)
+  for (int i = 0; i < 3000 && server_->counts().busy != 1; ++i)
     std::this_thread::sleep_for(milliseconds(10));
-  EXPECT_EQ(server_->busyConnections(), 1u) << "the last to come is still served";
+  EXPECT_EQ(server_->counts().busy, 1u) << "the last to come is still served";
   expectAlive();
 }
 

@@ -41,6 +41,9 @@ TEST_F(Routes, InfoPrintsTheSchemasRows) {
   EXPECT_EQ(info["version"], kVersion);
   EXPECT_EQ(info["limits"]["rays"], kMaxRays);
   EXPECT_EQ(info["queue"]["slots"], 3);
+  EXPECT_EQ(info["limits"].size(), limitRows().size() + 2) << "and the deadline, and connections";
+  for (const LimitRow& row : limitRows())
+    EXPECT_EQ(info["limits"][std::string(row.name)], row.value);
   ASSERT_EQ(info["parameters"].size(), parameterRows().size());
   for (std::size_t i = 0; i < parameterRows().size(); ++i) {
     EXPECT_EQ(info["parameters"][i]["name"], parameterRows()[i].name);
@@ -125,22 +128,41 @@ TEST_F(Routes, WrongMethodsNameTheRightOnes) {
   const struct {
     const char* target;
     const char* allow;
-  } resources[] = {{"/", "GET, HEAD"},
-                   {"/livez", "GET, HEAD"},
-                   {"/v1/info", "GET, HEAD"},
-                   {"/v1/scenes", "GET, HEAD"},
-                   {"/v1/scenes/cube", "GET, HEAD"},
-                   {"/v1/scenes/cube/tiles/8x8/0,0,8,8/0-1.png", "GET, HEAD"},
-                   {"/v1/scenes/cube/frames/8x8/0-1.png", "GET, HEAD"},
-                   {"/v1/scenes/cube/rays", "POST"}};
+  } resources[] = {{"/", "GET, HEAD, OPTIONS"},
+                   {"/livez", "GET, HEAD, OPTIONS"},
+                   {"/metrics", "GET, HEAD, OPTIONS"},
+                   {"/v1/info", "GET, HEAD, OPTIONS"},
+                   {"/v1/openapi.json", "GET, HEAD, OPTIONS"},
+                   {"/v1/scenes", "GET, HEAD, OPTIONS"},
+                   {"/v1/scenes/cube", "GET, HEAD, OPTIONS"},
+                   {"/v1/scenes/cube/preview.glb", "GET, HEAD, OPTIONS"},
+                   {"/v1/scenes/cube/tiles/8x8/0,0,8,8/0-1.png", "GET, HEAD, OPTIONS"},
+                   {"/v1/scenes/cube/frames/8x8/0-1.png", "GET, HEAD, OPTIONS"},
+                   {"/v1/scenes/cube/rays", "POST, OPTIONS"}};
   for (const auto& [target, allow] : resources)
-    for (const std::string method : {"PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "POST", "GET"}) {
-      if (std::string(allow).find(method) != std::string::npos) continue;
+    for (const std::string method : {"PUT", "DELETE", "PATCH", "TRACE", "POST", "GET", "HEA", "GET, HEAD"}) {
+      if (std::string(allow).starts_with(method + ",") && method != "GET, HEAD") continue;
       const Response response = ask(method, target);
       EXPECT_EQ(response.status, 405) << method << ' ' << target;
       ASSERT_NE(response.header("Allow"), nullptr);
       EXPECT_EQ(*response.header("Allow"), allow);
     }
+}
+
+TEST_F(Routes, OptionsNameTheMethodsAndNoOtherSite) {
+  folder_.addCube("cube.obj");
+  serve();
+  for (const std::string target : {"/", "/readyz", "/v1/scenes", "/v1/scenes/cube/rays"}) {
+    const Response response = ask(
+        "OPTIONS", target, {{"origin", "http://evil.example"}, {"access-control-request-method", "POST"}});
+    EXPECT_EQ(response.status, 204) << target;
+    EXPECT_TRUE(response.body.empty());
+    EXPECT_THAT(*response.header("Allow"), HasSubstr(target.ends_with("rays") ? "POST" : "GET"));
+    for (const auto& [name, value] : response.headers)
+      EXPECT_FALSE(name.starts_with("Access-Control")) << name;
+  }
+  const Response image = get("/v1/scenes/" + idOf("cube"), {{"origin", "http://evil.example"}});
+  EXPECT_EQ(image.header("Access-Control-Allow-Origin"), nullptr);
 }
 
 TEST_F(Routes, QueriesAreRefusedWhereNoneIsTaken) {

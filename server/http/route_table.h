@@ -1,0 +1,64 @@
+// Every resource of the interface, one row each. The service finds a request's route here, metrics are
+// labelled with its template, and /v1/openapi.json is printed from it together with the parameters' rows
+// (schema.h).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace chamfer::http {
+
+enum class RouteId : std::uint8_t {
+  Live,
+  Ready,
+  Metrics,
+  OpenApi,
+  Info,
+  Scenes,
+  Scene,
+  Preview,
+  Tile,
+  Frame,
+  Rays,
+  File
+};
+
+/// Lists are words with blanks between them.
+struct RouteRow {
+  RouteId id;
+  std::string_view path;     ///< template; what stands in braces is a row of schema.h, or {file}
+  std::string_view methods;  ///< as in Allow
+  bool anyHost;              ///< answered whatever Host says
+  bool needsKey;             ///< where the server has keys
+  std::string_view takes;    ///< "query" or "body": all rows of schema.h that stand there; empty: neither
+  std::string_view produces; ///< media types of the answer
+  std::string_view schema;   ///< of a JSON answer, a component of openapi_schemas.h
+  std::string_view statuses; ///< that its own work can have; every route can answer 400, 405, 414, 431, 503
+  std::string_view headers;  ///< that a 200 always carries, beside those of all answers
+  std::string_view about;
+
+  bool hasScene() const { return path.find("{scene}") != std::string_view::npos; }
+};
+
+std::span<const RouteRow> routeRows();
+const RouteRow& routeRow(RouteId id);
+
+/// The route of a path without a scene in it; every path but those of /v1 falls to RouteId::File. nullptr:
+/// none, it may have a scene in it. `path`: as sent.
+const RouteRow* fixedRoute(std::string_view path);
+
+struct SceneMatch {
+  const RouteRow* row = nullptr;          ///< nullptr: the path is none of a scene
+  std::string scene;                      ///< decoded
+  std::span<const std::string_view> rest; ///< what follows the resource's word, still encoded
+};
+/// The route of a path with a scene in it; `segments`: of the path, as sent. A scene's name may hold slashes,
+/// sent plain or as %2F: what looks like a resource below a scene is one, unless a scene has all of it as its
+/// name. Throws ProblemError (400) for a broken escape.
+SceneMatch sceneRouteOf(std::span<const std::string_view> segments,
+                        const std::function<bool(const std::string& name)>& isScene);
+
+} // namespace chamfer::http
