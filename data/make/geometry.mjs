@@ -60,30 +60,53 @@ export function box([x0, y0, z0], [x1, y1, z1]) {
   return { vertices, faces };
 }
 
-/** Upright prism over a regular polygon with `sides` corners on a circle of `radius` about (x, y). */
-export function prism(sides, radius, [x, y], z0, z1) {
-  const ring = (z) =>
-    Array.from({ length: sides }, (_, k) => {
-      const angle = (2 * Math.PI * (k + 0.5)) / sides;
-      return [x + radius * Math.cos(angle), y + radius * Math.sin(angle), z];
-    });
-  const corners = [...Array(sides).keys()];
+/** Upright convex solid between two polygons of equally many corners, [x, y] each, counter-clockwise seen from above; its
+ * sides are plane where matching edges are parallel. The heights may be functions of (x, y), affine ones for plane caps. */
+export function loft(lower, upper, z0, z1) {
+  const at = (z, [x, y]) => [x, y, typeof z === 'function' ? z(x, y) : z];
+  const sides = lower.length;
+  const corners = [...lower.keys()];
   const walls = corners.map((k) => [k, (k + 1) % sides, sides + ((k + 1) % sides), sides + k]);
   return {
-    vertices: [...ring(z0), ...ring(z1)],
+    vertices: [...lower.map((p) => at(z0, p)), ...upper.map((p) => at(z1, p))],
     faces: [corners.slice().reverse(), corners.map((k) => sides + k), ...walls],
   };
 }
 
+/** Regular polygon with `sides` corners on a circle of `radius` about (x, y). */
+export const ring = (sides, radius, [x, y]) =>
+  Array.from({ length: sides }, (_, k) => {
+    const angle = (2 * Math.PI * (k + 0.5)) / sides;
+    return [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
+  });
+
+/** Upright frustum over regular polygons about (x, y), with the circumscribed radii r0 below and r1 above. */
+export const frustum = (sides, r0, r1, at, z0, z1) => loft(ring(sides, r0, at), ring(sides, r1, at), z0, z1);
+
+/** Upright prism over a regular polygon with `sides` corners on a circle of `radius` about (x, y). */
+export const prism = (sides, radius, at, z0, z1) => frustum(sides, radius, radius, at, z0, z1);
+
+/** The solid after x -> rows x + t; `rows` a 3x3 matrix of positive determinant. */
+export const placed = ({ vertices, faces }, rows, t) => ({
+  vertices: vertices.map((v) => rows.map((row, i) => dot(row, v) + t[i])),
+  faces,
+});
+
+/** Triangles of a polyhedron once its polygons are cut into fans, as every reader cuts them. */
+export const triangleCount = ({ faces }) => faces.reduce((sum, face) => sum + face.length - 2, 0);
+
 const number = (x) => String(Object.is(x, -0) || Math.abs(x) < 5e-10 ? 0 : Number(x.toFixed(9)));
 
-/** OBJ text of one or several solids, each an object with vertices of its own. `materials` names one per face. */
+/** OBJ text of one or several solids, each an object with vertices of its own. Materials are named one per face
+ * (`materials`) or one per solid (its `material`). */
 export function obj(comment, solids, { library, materials } = {}) {
   const lines = [`# ${comment}`, '# Made by data/make.mjs of the Chamfer project; CC0-1.0.'];
   if (library) lines.push(`mtllib ${library}`);
   let first = 1;
-  for (const { name, vertices, faces } of solids) {
+  let current;
+  for (const { name, material, vertices, faces } of solids) {
     if (name) lines.push(`o ${name}`);
+    if (material && material !== current) lines.push(`usemtl ${(current = material)}`);
     for (const v of vertices) lines.push(`v ${v.map(number).join(' ')}`);
     faces.forEach((face, i) => {
       if (materials && materials[i] !== materials[i - 1]) lines.push(`usemtl ${materials[i]}`);
@@ -92,4 +115,16 @@ export function obj(comment, solids, { library, materials } = {}) {
     first += vertices.length;
   }
   return `${lines.join('\n')}\n`;
+}
+
+/** MTL text of materials named as in scene files: {name, base_color, roughness, metallic, transmission, ior}. */
+export function mtl(materials) {
+  const entries = materials.map(({ name, base_color, roughness, metallic, transmission, ior }) => {
+    const lines = [`newmtl ${name}`, `Kd ${base_color.join(' ')}`, `Pr ${roughness}`];
+    if (metallic) lines.push(`Pm ${metallic}`);
+    if (transmission) lines.push(`d ${number(1 - transmission)}`);
+    if (ior) lines.push(`Ni ${ior}`);
+    return `${lines.join('\n')}\n`;
+  });
+  return ['# Made by data/make.mjs of the Chamfer project; CC0-1.0.\n', ...entries].join('');
 }

@@ -1,51 +1,8 @@
 // The scene files, and the few meshes that only scenes use. Frame: z up, right-handed; angles in degrees.
 import { BRICK_HEIGHT, BRICKS, PLATE_HEIGHT } from './bricks.mjs';
-import { add, box, cross, dot, faceNormal, obj, scale, unit } from './geometry.mjs';
+import { box, hull, obj, ring, scale } from './geometry.mjs';
+import { EVEN_SKY, matrix, plastic, restingOn, round, sceneText } from './placing.mjs';
 import { SOLIDS } from './solids.mjs';
-
-const round = (x) => Number(x.toFixed(9)) + 0;
-
-/** 4x4 row-major, from a 3x3 matrix (rows) and a translation. */
-const matrix = (rows, t) => [...rows.flatMap((row, i) => [...row, t[i]]), 0, 0, 0, 1].map(round);
-
-function rotationAbout(axis, degrees) {
-  const [x, y, z] = unit(axis);
-  const c = Math.cos((degrees * Math.PI) / 180);
-  const s = Math.sin((degrees * Math.PI) / 180);
-  return [
-    [c + x * x * (1 - c), x * y * (1 - c) - z * s, x * z * (1 - c) + y * s],
-    [y * x * (1 - c) + z * s, c + y * y * (1 - c), y * z * (1 - c) - x * s],
-    [z * x * (1 - c) - y * s, z * y * (1 - c) + x * s, c + z * z * (1 - c)],
-  ];
-}
-
-const times = (a, b) => a.map((row) => [0, 1, 2].map((j) => row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]));
-
-/** Rotation that lays face `index` of a solid on the ground, then spins it about z. */
-function restingOn(solid, index, spinDegrees) {
-  const down = faceNormal(solid, index);
-  const axis = cross(down, [0, 0, -1]);
-  const cosine = -down[2];
-  const tilt =
-    Math.hypot(...axis) < 1e-9
-      ? rotationAbout([1, 0, 0], cosine > 0 ? 0 : 180)
-      : rotationAbout(axis, (Math.acos(Math.max(-1, Math.min(1, cosine))) * 180) / Math.PI);
-  return times(rotationAbout([0, 0, 1], spinDegrees), tilt);
-}
-
-/** An even sky: it fills the shadows and leaves the modelling to the lamp. */
-const SKY = { type: 'sky', zenith: [0.42, 0.47, 0.55], horizon: [0.62, 0.62, 0.62], ground: [0.2, 0.2, 0.2] };
-
-const plastic = (name, base_color, roughness = 0.25) => ({ name, base_color, roughness, metallic: 0 });
-
-/** One JSON entry a line: readable, and small in a diff. */
-function sceneText(scene) {
-  const lines = Object.entries(scene).map(([key, value]) => {
-    if (!Array.isArray(value)) return `  ${JSON.stringify(key)}: ${JSON.stringify(value)}`;
-    return `  ${JSON.stringify(key)}: [\n${value.map((entry) => `    ${JSON.stringify(entry)}`).join(',\n')}\n  ]`;
-  });
-  return `{\n${lines.join(',\n')}\n}\n`;
-}
 
 // ---------------------------------------------------------------------------------------------------- dice
 
@@ -92,7 +49,7 @@ function dice() {
     ],
     lights: [
       { type: 'area', center: [-4.5, -3, 7], u: [1.9, -1.4, 0], v: [0.9, 1.2, 1.5], emission: [15, 14.1, 12.8] },
-      SKY,
+      EVEN_SKY,
     ],
     camera: { eye: [0.5, -9.2, 5.6], target: [0.05, -0.1, 0.3], up: [0, 0, 1], vfov_degrees: 34 },
   };
@@ -157,7 +114,7 @@ function blocks() {
     ],
     lights: [
       { type: 'area', center: [-9, -16, 22], u: [6, -2.5, 0], v: [2, 4, 4], emission: [15, 14.1, 12.8] },
-      SKY,
+      EVEN_SKY,
     ],
     camera: { eye: [19.5, -17, 13], target: [5.8, 5.4, 2.6], up: [0, 0, 1], vfov_degrees: 30 },
   };
@@ -180,12 +137,10 @@ function room() {
   return {
     meshes: [
       { name: 'room', file: 'stage/room.obj', radius: 0.35 },
-      { name: 'lamp', file: 'stage/lamp.obj', rounding: false },
       { name: 'pedestal', file: 'stage/pedestal.obj', radius: 0.08 },
       ...['cube', 'dodecahedron', 'icosahedron'].map((name) => ({ name, file: `solids/${name}.obj`, radius: 0.08 })),
     ],
     materials: [
-      { name: 'light', base_color: [0, 0, 0], emission: [14, 12.5, 10.5] },
       plastic('stone', [0.6, 0.58, 0.55], 0.6),
       plastic('blue', [0.04, 0.12, 0.35], 0.2),
       plastic('ochre', [0.75, 0.42, 0.08], 0.3),
@@ -193,13 +148,81 @@ function room() {
     ],
     instances: [
       { mesh: 'room' },
-      { mesh: 'lamp', material: 'light', translate: [0, 0.8, 4.35] },
       { mesh: 'pedestal', material: 'stone', translate: [-1.1, 1.9, 0] },
       standing('dodecahedron', 2, 20, [-1.1, 1.9, 1.4], 1.3, 'copper'),
       standing('cube', 0, 28, [1.15, 1.2, 0], 1.5, 'ochre'),
       standing('icosahedron', 3, 15, [0.9, -0.6, 0], 0.9, 'blue'),
     ],
+    // A quad that leaves no room for light above it: the ceiling there would glow and show as noise. Nothing shines outside.
+    lights: [
+      { type: 'area', center: [0, 0.8, 4.598], u: [0.9, 0, 0], v: [0, 0.9, 0], emission: [14, 12.5, 10.5] },
+      { type: 'environment', color: 0 },
+    ],
     camera: { eye: [0, -4.1, 2.2], target: [0, 0.8, 1.85], up: [0, 0, 1], vfov_degrees: 60 },
+  };
+}
+
+// ---------------------------------------------------------------------------------------------- still life
+
+const BOARD = { half: [2.6, 1.7], high: 0.22 };
+/** A six-sided crystal, pointed above, standing on the origin. */
+const CRYSTAL = hull([...ring(6, 0.42, [0, 0]).flatMap(([x, y]) => [[x, y, 0], [x, y, 1.45]]), [0, 0, 2.05]]);
+
+const STILL_LIFE = [
+  // solid, face it rests on, spin, place on the board, height of what it stands on, size, material
+  ['dodecahedron', 4, 14, [-0.95, 0.25], 0, 1.25, 'glass'],
+  ['cube', 0, 31, [0.95, 0.55], 0, 1.0, 'bottle'],
+  ['octahedron', 3, 70, [0.15, -0.75], 0, 0.62, 'amber'],
+  ['cube', 1, 18, [1.75, -0.55], 0, 0.46, 'ivory'],
+  ['cube', 2, 52, [1.75, -0.55], 0.46, 0.4, 'red'],
+  ['cube', 4, -14, [-0.45, -1.25], 0, 0.38, 'ivory'],
+  ['icosahedron', 2, 25, [-1.55, -1.0], 0, 0.6, 'brass'],
+  ['trapezohedron', 3, 205, [0.85, -1.25], 0, 0.42, 'slate'],
+  ['tetrahedron', 1, 20, [2.05, 1.0], 0, 0.34, 'red'],
+  ['dodecahedron', 6, 51, [-2.1, 0.35], 0, 0.5, 'slate'],
+  ['trapezohedron', 5, 80, [-2.0, 1.2], 0, 0.44, 'ivory'],
+];
+
+function stillLife() {
+  const clear = (name, base_color, ior) => ({ name, base_color, roughness: 0, metallic: 0, transmission: 1, ior });
+  return {
+    meshes: [
+      ...Object.keys(SOLIDS).map((name) => ({ name, file: `solids/${name}.obj`, radius: 0.06 })),
+      { name: 'crystal', file: 'stage/crystal.obj', radius: 0.03 },
+      { name: 'board', file: 'stage/board.obj', radius: 0.05 },
+      { name: 'ground', file: 'stage/ground.obj', rounding: false },
+    ],
+    materials: [
+      clear('glass', [1, 1, 1], 1.52),
+      { ...clear('bottle', [1, 1, 1], 1.52), absorption: [1.9, 0.28, 1.1] },
+      { ...clear('amber', [1, 1, 1], 1.55), absorption: [0.25, 1.6, 5] },
+      { ...clear('frosted', [1, 1, 1], 1.5), roughness: 0.22 },
+      plastic('ivory', [0.82, 0.76, 0.64]),
+      plastic('red', [0.5, 0.02, 0.02], 0.2),
+      plastic('slate', [0.05, 0.06, 0.09], 0.3),
+      { name: 'brass', base_color: [0.86, 0.62, 0.28], roughness: 0.22, metallic: 1 },
+      plastic('walnut', [0.22, 0.115, 0.055], 0.4),
+      plastic('linen', [0.48, 0.46, 0.43], 0.9),
+    ],
+    instances: [
+      { mesh: 'ground', material: 'linen' },
+      { mesh: 'board', material: 'walnut' },
+      { mesh: 'crystal', material: 'frosted', translate: [0.1, 0.95, BOARD.high] },
+      ...STILL_LIFE.map(([mesh, face, spin, [x, y], above, size, material]) => ({
+        mesh,
+        material,
+        matrix: matrix(
+          restingOn(SOLIDS[mesh], face, spin).map((row) => scale(row, size)),
+          [x, y, BOARD.high + above + size / 2],
+        ),
+      })),
+    ],
+    lights: [
+      { type: 'area', center: [-4.6, 2.6, 5.2], u: [1.2, 1.6, 0], v: [1.1, -0.8, 1.3], emission: [13, 12.2, 11] },
+      { type: 'area', center: [5.2, -3.5, 3.6], u: [0.5, 0.8, 0], v: [-0.3, 0.2, 1.4], emission: [3.2, 3.6, 4.2] },
+      { type: 'sky', zenith: [0.3, 0.33, 0.38], horizon: [0.42, 0.42, 0.43], ground: [0.2, 0.2, 0.2] },
+    ],
+    camera: { eye: [0.6, -7.4, 3.6], target: [0.0, 0.1, 0.55], up: [0, 0, 1], vfov_degrees: 30 },
   };
 }
 
@@ -210,6 +233,7 @@ export function sceneFiles() {
     'dice.scene.json': sceneText(dice()),
     'blocks.scene.json': sceneText(blocks()),
     'room.scene.json': sceneText(room()),
+    'still-life.scene.json': sceneText(stillLife()),
     'stage/ground.obj': obj('the ground: its top is z = 0', [box([-500, -500, -1], [500, 500, 0])]),
     'stage/room.obj': obj('a closed room to look at from inside', [box(ROOM.min, ROOM.max)], {
       library: 'room.mtl',
@@ -221,7 +245,10 @@ export function sceneFiles() {
       'newmtl red\nKd 0.55 0.06 0.05\nPr 0.9',
       'newmtl green\nKd 0.1 0.4 0.12\nPr 0.9\n',
     ].join('\n'),
-    'stage/lamp.obj': obj('a flat lamp: its lower side is z = 0', [box([-0.9, -0.9, 0], [0.9, 0.9, 0.05])]),
+    'stage/board.obj': obj('a board on the ground', [
+      box([-BOARD.half[0], -BOARD.half[1], 0], [...BOARD.half, BOARD.high]),
+    ]),
+    'stage/crystal.obj': obj('a pointed crystal that stands on the origin', [CRYSTAL]),
     'stage/pedestal.obj': obj('a pedestal', [box([-0.75, -0.75, 0], [0.75, 0.75, 1.4])]),
   };
 }
