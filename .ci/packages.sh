@@ -1,9 +1,11 @@
-# Sourced by ./start and ./check: install_packages installs what packages.txt lists and this machine lacks.
+# Sourced by ./start and ./check: install_packages installs what packages.txt lists and this machine lacks, up to its line
+# "# tests" unless the second argument is "tests".
 
 # Prints the packages of a list (file $1) that are not installed, one a line.
 missing_packages() {
   local line package command
   while IFS= read -r line; do
+    case "$line" in "# tests"*) [ "${2:-}" = tests ] || return 0 ;; esac
     line="${line%%#*}"
     line="${line//[[:space:]]/}"
     [ -n "$line" ] || continue
@@ -17,12 +19,12 @@ missing_packages() {
 }
 
 install_packages() {
-  local list="$1" packages=() as_root=()
+  local list="$1" part="${2:-}" packages=() as_root=()
   if ! command -v dpkg-query >/dev/null; then
     echo "This is not a Debian system; install by hand what $list names, then go on." >&2
     return 0
   fi
-  mapfile -t packages < <(missing_packages "$list")
+  mapfile -t packages < <(missing_packages "$list" "$part")
   [ "${#packages[@]}" -gt 0 ] || return 0
 
   echo "Installing ${#packages[@]} missing packages: ${packages[*]}"

@@ -62,6 +62,14 @@ CLI::App* addServe(CLI::App& app, ServeCommandOptions& options) {
   serve->add_option("--drain", options.drainSeconds, "Seconds that requests under way have after SIGTERM")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
+  serve
+      ->add_option(
+          "--drain-delay", options.drainDelaySeconds,
+          "Seconds that it is not ready but still takes requests after SIGTERM, for balancers to see it")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  serve->add_flag("--behind-proxy", options.behindProxy,
+                  "Tell clients apart by the last address of X-Forwarded-For, which a proxy sets");
   serve->add_option("--key-file", options.keyFile,
                     "File with one key a line; clients send Authorization: Bearer KEY");
   serve->add_flag("--no-auth", options.noAuth, "Listen beyond this machine without keys");

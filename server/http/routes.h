@@ -26,6 +26,7 @@ struct ServiceOptions {
   std::vector<std::string> keys{};               ///< that /v1 asks for; empty: none is asked for
   std::vector<std::string> hosts{};              ///< names in Host that are answered; empty: all
   unsigned connections = 512;
+  bool behindProxy = false; ///< X-Forwarded-For is a proxy's word for who the client is
 };
 
 /// The parts that routes work with; owned by the Service.

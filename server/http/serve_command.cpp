@@ -52,6 +52,7 @@ ServiceOptions serviceOptions(const ServeCommandOptions& options) {
   service.slots = options.slots;
   service.waiting = options.waiting;
   service.connections = options.connections;
+  service.behindProxy = options.behindProxy;
   service.cacheBytes = options.cacheMegabytes << 20;
   service.deadline = fromSeconds(options.deadlineSeconds);
   if (!options.keyFile.empty()) service.keys = readKeys(options.keyFile);
@@ -145,9 +146,11 @@ int runServeCommand(const ServeCommandOptions& options) {
 
   // Health checks go on being answered, with "not ready", while the requests under way come to their end.
   logMessage(LogLevel::Info, "stopping: what is under way is finished, nothing new is taken");
+  service.announceEnd();
+  const bool impatient = signals.within(fromSeconds(options.drainDelaySeconds));
   service.drain();
   const auto end = Clock::now() + fromSeconds(options.drainSeconds);
-  while (server.counts().busy > 0 && Clock::now() < end && !signals.within(kTick)) {
+  while (!impatient && server.counts().busy > 0 && Clock::now() < end && !signals.within(kTick)) {
   }
   service.cancelAll();
   server.stop(milliseconds(2'000));

@@ -18,8 +18,10 @@ struct ServeCommandOptions {
   std::size_t cacheMegabytes = 1024;   ///< of prepared scenes
   double deadlineSeconds = 120;        ///< of one request
   double rescanSeconds = 2;            ///< how often files are looked at again; 0: never
+  double drainDelaySeconds = 0;        ///< after SIGTERM, not ready yet taking work: for balancers to see it
   double drainSeconds = 30;            ///< after SIGTERM, for what is under way
   std::filesystem::path keyFile;       ///< one key a line; empty: no key is asked for
+  bool behindProxy = false;            ///< the client is the last address of X-Forwarded-For
   bool noAuth = false;                 ///< listen beyond this machine without keys
   std::vector<std::string> allowHosts; ///< names in Host that are answered, beside the loopback ones
   std::filesystem::path web;           ///< folder of the page; empty: the one in the program

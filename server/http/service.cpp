@@ -52,6 +52,17 @@ bool usableAsId(const std::string& id) {
   });
 }
 
+/// The last address of X-Forwarded-For: what stands before it is the client's own word.
+std::string forwardedClient(const Request& request) {
+  std::string_view addresses;
+  for (const auto& [name, value] : request.headers)
+    if (name == "x-forwarded-for") addresses = value;
+  addresses.remove_prefix(addresses.rfind(',') + 1); // npos + 1 is 0
+  while (addresses.starts_with(' '))
+    addresses.remove_prefix(1);
+  return addresses.empty() ? request.client : std::string(addresses);
+}
+
 Response plainText(std::string text) {
   Response response;
   response.contentType = "text/plain; charset=utf-8";
@@ -100,6 +111,7 @@ Response Service::answer(Request& request, const Problem* refusal) {
   request.cancelled.deadline = begin + options_.deadline;
   const std::string* given = request.header("x-request-id");
   request.id = given && usableAsId(*given) ? *given : newRequestId();
+  if (options_.behindProxy) request.client = forwardedClient(request);
 
   const RouteRow* row = nullptr;
   const auto problemResponse = [&](const Problem& problem) {
@@ -125,7 +137,7 @@ Response Service::answer(Request& request, const Problem* refusal) {
   }
   response.headers.emplace_back("X-Content-Type-Options", "nosniff");
   response.headers.emplace_back("X-Request-Id", request.id);
-  if (draining_) response.close = true;
+  if (ending_) response.close = true;
 
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   const std::size_t bytes = request.method == "HEAD" ? 0 : response.body.size();
@@ -215,7 +227,7 @@ Response Service::metricsText() const {
 }
 
 Response Service::ready() const {
-  if (draining_) throw ProblemError(busy("not ready: the server is shutting down", 5));
+  if (ending_) throw ProblemError(busy("not ready: the server is shutting down", 5));
   if (!catalogue_.loaded()) throw ProblemError(busy("not ready: the scenes are being loaded", 1));
   return plainText("ready\n");
 }

@@ -21,8 +21,11 @@ public:
 
   /// How connections stand, for the metrics; without one, there are none. Before the first request.
   void observeConnections(std::function<ConnectionCounts()> counts) { connections_ = std::move(counts); }
-  /// From now on not ready, and no new work is taken; what is under way goes on.
-  void drain() { draining_ = true; }
+  /// From now on not ready, and answers end their connections, so that balancers turn elsewhere; work is
+  /// still taken.
+  void announceEnd() { ending_ = true; }
+  /// The same, and no new work is taken; what is under way goes on.
+  void drain() { ending_ = draining_ = true; }
   /// Ends what is under way.
   void cancelAll() { *shuttingDown_ = true; }
   /// Threads that can be blocked by rendering and waiting for it.
@@ -47,7 +50,7 @@ private:
   Metrics metrics_;
   const Parts parts_;
   std::function<ConnectionCounts()> connections_;
-  std::atomic<bool> draining_ = false;
+  std::atomic<bool> ending_ = false, draining_ = false;
   const std::shared_ptr<std::atomic<bool>> shuttingDown_ = std::make_shared<std::atomic<bool>>(false);
   std::atomic<std::uint64_t> requests_;
 };

@@ -65,6 +65,7 @@ std::vector<std::byte> encode(const char* format, const Image& image, OIIO::Type
   } else {
     spec.attribute("oiio:ColorSpace", "Linear");
     spec.attribute("compression", "zip");
+    spec.attribute("DateTime", ""); // else the library writes the time of day, and no two files are the same
   }
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);

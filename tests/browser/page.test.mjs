@@ -7,7 +7,7 @@ import { parseArgs } from 'node:util';
 
 import { openBrowser, watchConsole } from './browser.mjs';
 import { blockMeans, changedShare, contrast, waitForSamples } from './picture.mjs';
-import { makeRoot, startServer } from './server.mjs';
+import { makeRoot, startServer } from '../support/server.mjs';
 
 const { values: paths } = parseArgs({
   options: { chamferd: { type: 'string' }, chamferprep: { type: 'string' }, data: { type: 'string' } },

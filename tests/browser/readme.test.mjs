@@ -8,7 +8,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { parseArgs, promisify } from 'node:util';
 
-import { makeRoot, startServer } from './server.mjs';
+import { makeRoot, startServer } from '../support/server.mjs';
 
 const PRINTED_ADDRESS = 'http://127.0.0.1:8080';
 

@@ -3,9 +3,11 @@
 #include "tests/render/scene_files_fixture.h"
 
 #include <OpenImageIO/imageio.h>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <gmock/gmock.h>
+#include <thread>
 
 namespace chamfer {
 namespace {
@@ -108,6 +110,12 @@ TEST(Png, NaNIsBlack) {
   EXPECT_EQ(values[0], 0);
   EXPECT_EQ(values[1], 1);
   EXPECT_EQ(values[2], 0);
+}
+
+TEST(Exr, BytesDoNotDependOnTheTimeOfDay) {
+  const auto before = encodeExr(testImage());
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100)); // the library's dates have whole seconds
+  EXPECT_EQ(encodeExr(testImage()), before);
 }
 
 TEST(Exr, KeepsEveryBit) {

@@ -2,17 +2,22 @@
 import { spawn, spawnSync } from 'node:child_process';
 import { cpSync, mkdtempSync, readdirSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { basename, join } from 'node:path';
 
 const START_MS = 60_000;
 const STOP_MS = 15_000;
 
-/** Copies `data` to a temporary folder and rounds its solids and bricks. Returns the folder and how to remove it. */
-export function makeRoot(chamferprep, data) {
-  const root = mkdtempSync(join(tmpdir(), 'chamfer-browser-'));
+/**
+ * Copies `data` to a temporary folder and rounds its solids and bricks. `scenes`, where given, are the only scene files
+ * that are taken along. Returns the folder and how to remove it.
+ */
+export function makeRoot(chamferprep, data, scenes = undefined) {
+  const root = mkdtempSync(join(tmpdir(), 'chamfer-test-'));
   const remove = () => rmSync(root, { recursive: true, force: true });
+  const wanted = (source) =>
+    !source.endsWith('.chamfer') && !(scenes && source.endsWith('.scene.json') && !scenes.includes(basename(source)));
   try {
-    cpSync(data, root, { recursive: true, filter: (source) => !source.endsWith('.chamfer') });
+    cpSync(data, root, { recursive: true, filter: wanted });
     for (const [folder, radius] of [['solids', '0.08'], ['bricks', '0.05']]) {
       const meshes = readdirSync(join(root, folder)).map((name) => join(root, folder, name));
       const run = spawnSync(chamferprep, [...meshes, '--radius', radius], { encoding: 'utf8' });
@@ -26,16 +31,22 @@ export function makeRoot(chamferprep, data) {
   return { root, remove };
 }
 
-/** Starts chamferd on `root`; port 0 means any free one. Resolves once it is ready: every scene was tried. */
-export async function startServer(chamferd, root, port = 0) {
-  const child = spawn(chamferd, ['serve', root, '--port', String(port)], { stdio: ['ignore', 'pipe', 'pipe'] });
+/**
+ * Starts chamferd on `root`; port 0 means any free one. Resolves once it is ready: every scene was tried. `options` are
+ * further words of its command line.
+ */
+export async function startServer(chamferd, root, port = 0, options = []) {
+  const words = ['serve', root, '--port', String(port), ...options];
+  const child = spawn(chamferd, words, { stdio: ['ignore', 'pipe', 'pipe'] });
   let output = '';
   const ended = new Promise((resolve) => child.once('close', (status, signal) => resolve(status ?? signal)));
   const address = new Promise((resolve, reject) => {
     const listen = (chunk) => {
       output += chunk;
       const found = output.match(/http:\/\/[\w.]+:(\d+)/);
-      if (found) resolve({ url: found[0], port: Number(found[1]) });
+      if (!found) return;
+      resolve({ url: found[0], port: Number(found[1]) });
+      for (const stream of [child.stdout, child.stderr]) stream.off('data', listen).resume();
     };
     child.stdout.setEncoding('utf8').on('data', listen);
     child.stderr.setEncoding('utf8').on('data', listen);
@@ -51,10 +62,15 @@ export async function startServer(chamferd, root, port = 0) {
     clearTimeout(timer);
     return status;
   };
+  /** Ends it without warning. */
+  const kill = async () => {
+    child.kill('SIGKILL');
+    return ended;
+  };
   try {
     const { url, port: bound } = await address;
     await untilReady(url);
-    return { url, port: bound, stop };
+    return { url, port: bound, pid: child.pid, stop, kill };
   } catch (error) {
     child.kill('SIGKILL');
     throw error;
