@@ -220,7 +220,7 @@ Response Service::metricsText() const {
   for (const auto& entry : catalogue_.list())
     ++now.scenes[static_cast<std::size_t>(entry->state)];
   if (connections_) now.connections = connections_();
-  now.draining = draining_;
+  now.draining = ending_;
   Response response = plainText(metrics_.text(now));
   response.contentType = kMetricsMediaType;
   return response;
