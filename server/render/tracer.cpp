@@ -313,6 +313,7 @@ public:
 
   std::optional<TraceHit> intersect(const Ray& ray, const RayOrigin& from, double tnear,
                                     double tfar) const override {
+    if (from.instance == kNone && isFar(ray)) return intersectFromAfar(ray, from, tnear, tfar);
     Query q = query(ray, from, tnear, tfar, &intersectFilter);
     RTCRayHit rayHit;
     rayHit.ray = embreeRay(q);
@@ -334,6 +335,8 @@ public:
   }
 
   bool insideSolid(const Point3& point) const override {
+    const double away = length(Vector3(point) - centre_);
+    if (!(away <= 2 * reach_)) return false; // Embree takes no coordinates beyond 1.8e18
     PointQuery q;
     rtcInitIntersectContext(&q.context);
     q.context.filter = &insideFilter;
@@ -367,6 +370,29 @@ public:
   }
 
 private:
+  /// Does the ray start so far away, or is its direction so long or short, that float32 would lose the scene?
+  /// Embree itself ends the process where a coordinate is beyond 1.8e18, in an instance's frame too.
+  bool isFar(const Ray& ray) const {
+    constexpr double kNear = 64;                 // reaches
+    constexpr double kShort = 1e-6, kLong = 1e6; // lengths; a scene file's scales are near 1
+    const double away = lengthSquared(Vector3(ray.origin) - centre_), size = lengthSquared(ray.direction);
+    return !(away <= kNear * kNear * reach_ * reach_ && size >= kShort * kShort && size <= kLong * kLong);
+  }
+
+  /// The same hit, found by a unit ray that starts before the scene.
+  std::optional<TraceHit> intersectFromAfar(const Ray& ray, const RayOrigin& from, double tnear,
+                                            double tfar) const {
+    const double size = length(ray.direction);
+    const Vector3 unit = ray.direction / size;
+    const double skipped =
+        std::max(0.0, dot(centre_ - Vector3(ray.origin), unit) - 2 * reach_); // the scene is behind it
+    const Ray near{ray.origin + unit * skipped, unit};
+    if (isFar(near)) return std::nullopt; // passes the scene by, or there is none
+    auto hit = intersect(near, from, std::max(0.0, tnear * size - skipped), tfar * size - skipped);
+    if (hit) hit->t = (hit->t + skipped) / size;
+    return hit;
+  }
+
   void attachInstance(const TracedInstance& i) {
     // Embree's frames are about the mesh's and the scene's centres: float32 keeps its digits far from the
     // origin.

@@ -96,6 +96,16 @@ TEST_F(Rays, StudioDoesNotAnswer) {
       << "there is a ground below";
 }
 
+TEST_F(Rays, LargestNumbersDoNoHarm) {
+  serve();
+  for (const char* ray :
+       {"[1e30,-3,0.1,-1,1,0]", "[3,-1e30,1e30,-1,1,0]", "[0,0,5,0,0,-1e30]", "[0,0,5e18,0,0,-1]"})
+    EXPECT_EQ(rays("cube", std::string(R"({"rays":[)") + ray + "]}").status, 200) << ray;
+  const auto hit = json(rays("cube", R"({"rays":[[0,0,1e6,0,0,-1e25]]})"))["hits"][0];
+  EXPECT_NEAR(hit["position"][2].get<double>(), 0.5, 1e-6);
+  EXPECT_NEAR(hit["t"].get<double>() * 1e25, 1e6 - 0.5, 1e-6);
+}
+
 TEST_F(Rays, OnlyJsonIsRead) {
   for (const char* type : {"text/plain", "application/x-www-form-urlencoded", "", "application/jsonx"}) {
     const Response response = ask("POST", "/v1/scenes/cube/rays", {{"content-type", type}}, R"({"rays":[]})");
