@@ -47,9 +47,10 @@ private:
     out_.normals.push_back(normal);
     return std::uint32_t(out_.positions.size() - 1);
   }
-  void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t facet) {
+  void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t facet, Feature feature) {
     out_.triangles.push_back({a, b, c});
     out_.meshTriangle.push_back(triangleOfFacet_[facet]);
+    out_.features.push_back(feature);
   }
   /// The corner of half-edge h's own facet at the end of h.
   std::uint32_t cornerAtEnd(std::uint32_t h) const { return corner_[core_.next(h)]; }
@@ -72,15 +73,15 @@ private:
     for (unsigned j = 0; j < segments_; ++j) {
       const std::uint32_t a = start[j], b = start[j + 1], c = end[segments_ - j - 1], d = end[segments_ - j];
       const std::uint32_t facet = 2 * j < segments_ ? e.facet : twinFacet;
-      triangle(a, b, c, facet);
-      triangle(a, c, d, facet);
+      triangle(a, b, c, facet, Feature::Cylinder);
+      triangle(a, c, d, facet, Feature::Cylinder);
     }
   }
 
   void flat(std::uint32_t first, std::uint32_t facet) {
     for (std::uint32_t h = core_.next(core_.next(first)), previous = core_.next(first); h != first;
          previous = h, h = core_.next(h))
-      triangle(corner_[first], corner_[previous], corner_[h], facet);
+      triangle(corner_[first], corner_[previous], corner_[h], facet, Feature::Flat);
   }
 
   /// The spherical polygon at the start of `first`: its sides are the arcs of the half-edges that leave the
@@ -150,8 +151,8 @@ private:
                                                             double(j) / double(i))));
       row.push_back(right[i]);
       for (unsigned j = 0; j < i; ++j) {
-        triangle(above[j], row[j], row[j + 1], facet);
-        if (j + 1 < i) triangle(above[j], row[j + 1], above[j + 1], facet);
+        triangle(above[j], row[j], row[j + 1], facet, Feature::Sphere);
+        if (j + 1 < i) triangle(above[j], row[j + 1], above[j + 1], facet, Feature::Sphere);
       }
       above = std::move(row);
     }
@@ -191,8 +192,33 @@ ExplicitMesh explicitMesh(const RoundingView& view, const TriangleMesh& mesh, un
     }
     out.triangles.push_back({base, base + 1, base + 2});
     out.meshTriangle.push_back(std::uint32_t(t));
+    out.features.push_back(Feature::Flat);
   }
   return out;
+}
+
+ExplicitMeshSize::ExplicitMeshSize(const RoundingView& view) {
+  std::vector<std::uint32_t> degree;
+  for (std::uint32_t s = 0; s < view.solidCount(); ++s) {
+    const CoreView core(view, s);
+    edges_ += core.halfEdgeCount() / 2;
+    degree.assign(view.solids[s + 1].firstSphere - view.solids[s].firstSphere, 0);
+    for (std::uint32_t h = 0; h < core.halfEdgeCount(); ++h)
+      ++degree[core.halfEdge(h).sphere];
+    for (const std::uint32_t d : degree)
+      grids_ += d == 3 ? 1 : d;
+    for (std::uint32_t f = view.solids[s].firstFacet; f < view.solids[s + 1].firstFacet; ++f)
+      if (!view.facets[f].vanished()) fixed_ -= 2; // a polygon of n sides takes n - 2 triangles
+    fixed_ += core.halfEdgeCount();
+  }
+  fixed_ += std::uint64_t(std::count(view.facetOfTriangle.begin(), view.facetOfTriangle.end(), kNone));
+}
+
+ExplicitMeshSize& ExplicitMeshSize::operator+=(const ExplicitMeshSize& o) {
+  grids_ += o.grids_;
+  edges_ += o.edges_;
+  fixed_ += o.fixed_;
+  return *this;
 }
 
 } // namespace chamfer

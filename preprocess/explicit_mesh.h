@@ -2,6 +2,7 @@
 // that analytic rounding is compared with.
 #pragma once
 
+#include "common/ray_query.h"
 #include "common/rounding.h"
 #include "preprocess/mesh.h"
 
@@ -15,13 +16,29 @@ struct ExplicitMesh {
   std::vector<Vector3> normals;  ///< unit, one per position: the rounded surface's own normal there
   std::vector<std::array<std::uint32_t, 3>> triangles; ///< counter-clockwise seen from outside
   std::vector<std::uint32_t>
-      meshTriangle; ///< for each triangle one of the original mesh whose material it takes
+      meshTriangle;              ///< for each triangle one of the original mesh whose material it takes
+  std::vector<Feature> features; ///< of each triangle; Flat for those that stay sharp
 };
 
 /// Each rounded edge becomes `segments` (>= 1) strips, each sphere a grid with as many segments along its
 /// sides, each flat a polygon. All vertices lie on the exact surface R. Triangles of `mesh` that stay sharp
 /// are copied.
 ExplicitMesh explicitMesh(const RoundingView& view, const TriangleMesh& mesh, unsigned segments);
+
+/// How many triangles explicitMesh() makes, without making them.
+class ExplicitMeshSize {
+public:
+  ExplicitMeshSize() = default;
+  explicit ExplicitMeshSize(const RoundingView& view);
+  std::uint64_t triangles(std::uint64_t segments) const {
+    return grids_ * segments * segments + 2 * edges_ * segments + fixed_;
+  }
+  ExplicitMeshSize& operator+=(const ExplicitMeshSize& o);
+
+private:
+  std::uint64_t grids_ = 0; ///< of segments * segments triangles, on the spheres
+  std::uint64_t edges_ = 0, fixed_ = 0;
+};
 
 /// Writes an OBJ with vertex normals. Throws Error(CannotWrite), Error(Internal) when a solid's surface is
 /// not closed and manifold.

@@ -1,8 +1,6 @@
 #include "server/render/aov.h"
 
 #include "common/error.h"
-#include "server/render/sampler.h"
-#include "server/render/surface.h"
 
 namespace chamfer {
 namespace {
@@ -25,17 +23,21 @@ Color instanceColor(std::uint32_t instance) {
   return {channel(0), channel(8), channel(16)};
 }
 
-Color value(const Scene& scene, Aov aov, const TraceHit& hit) {
+Color directionColor(const Vector3& v) { return {float(v.x), float(v.y), float(v.z)}; }
+
+Color value(const Surfaces& surfaces, Aov aov, const TraceHit& hit, const SurfacePlace& place,
+            const Sampler& sampler) {
   switch (aov) {
   case Aov::Albedo:
-    return surfaceAt(scene, materialAt(*scene.data, hit), hit).baseColor;
+    return surfaces.values(hit, place).baseColor;
   case Aov::Normal:
+    return directionColor(surfaces.shadingNormal(hit, place, sampler, 0).normal);
   case Aov::GeometricNormal:
-    return {float(hit.normal.x), float(hit.normal.y), float(hit.normal.z)};
+    return directionColor(hit.normal);
   case Aov::Depth:
     return grey(float(hit.t));
   case Aov::Feature:
-    return featureColor(hit.feature);
+    return featureColor(place.feature);
   case Aov::Instance:
     return instanceColor(hit.instance);
   case Aov::Beauty:
@@ -46,14 +48,15 @@ Color value(const Scene& scene, Aov aov, const TraceHit& hit) {
 
 } // namespace
 
-AovSample aovSample(const Scene& scene, const Tracer& tracer, Aov aov, const Ray& ray, const RayOrigin& from,
-                    RayStatistics& statistics) {
+AovSample aovSample(const Surfaces& surfaces, const Tracer& tracer, Aov aov, const Ray& ray,
+                    const RayOrigin& from, const Sampler& sampler, RayStatistics& statistics) {
   ++statistics.camera.traced;
   const auto hit = tracer.intersect(ray, from);
   if (!hit) return {};
   ++statistics.camera.hits;
-  statistics.camera.rounded += hit->rounded();
-  return {value(scene, aov, *hit), 1};
+  const SurfacePlace place = surfaces.place(*hit);
+  statistics.camera.rounded += place.rounded();
+  return {value(surfaces, aov, *hit, place, sampler), 1};
 }
 
 } // namespace chamfer

@@ -1,7 +1,7 @@
 // Arbitrary output variables: what the first hit is, instead of the light that comes from it.
 #pragma once
 
-#include "server/render/render.h"
+#include "server/render/surface.h"
 
 namespace chamfer {
 
@@ -16,7 +16,7 @@ struct AovSample {
 /// surface's own. Depth: distance from the ray's origin in world units, in all three channels. Feature: flat
 /// (0.25, 0.25, 0.25), cylinder (1, 0.5, 0), sphere (0, 0.5, 1). Instance: a colour of its own for each, so
 /// that a pixel's mean tells the instances' shares.
-AovSample aovSample(const Scene& scene, const Tracer& tracer, Aov aov, const Ray& ray, const RayOrigin& from,
-                    RayStatistics& statistics);
+AovSample aovSample(const Surfaces& surfaces, const Tracer& tracer, Aov aov, const Ray& ray,
+                    const RayOrigin& from, const Sampler& sampler, RayStatistics& statistics);
 
 } // namespace chamfer

@@ -5,19 +5,6 @@
 namespace chamfer {
 namespace {
 
-const TriangleMesh& meshOf(const Scene& scene, std::uint32_t mesh) {
-  const std::size_t own = scene.meshes.size();
-  return *(mesh < own ? scene.meshes[mesh] : scene.data->extraMeshes[mesh - own]).mesh;
-}
-
-/// The material of a triangle of an instance; null where the instance has none that emits.
-const Material* emittingMaterial(const SceneData& data, const InstanceSource& source, std::size_t triangle) {
-  const std::vector<std::uint32_t>& own = data.meshMaterials[source.mesh].ofTriangle;
-  std::uint32_t id = source.material;
-  if (id == kNone) id = own.empty() ? SceneData::kDefaultMaterial : own[triangle];
-  return data.materials[id].emits() ? &data.materials[id] : nullptr;
-}
-
 bool mayEmit(const SceneData& data, const InstanceSource& source) {
   return source.material == kNone ? !data.meshMaterials[source.mesh].ofTriangle.empty()
                                   : data.materials[source.material].emits();
@@ -70,18 +57,16 @@ std::vector<bool> solidsToAimAt(const TriangleMesh& mesh, const RoundingView& vi
 
 } // namespace
 
-Emitters::Emitters(const Scene& scene, const std::vector<TracedInstance>& instances) {
-  const SceneData& data = *scene.data;
+Emitters::Emitters(const Surfaces& surfaces, const std::vector<TracedInstance>& instances) {
+  const SceneData& data = *surfaces.scene().data;
   for (std::uint32_t i = 0; i < instances.size(); ++i)
-    if (mayEmit(data, data.instanceSource[i]))
-      addInstance(data, meshOf(scene, data.instanceSource[i].mesh), instances[i], i);
+    if (mayEmit(data, data.instanceSource[i])) addInstance(surfaces, instances[i], i);
 }
 
-void Emitters::addInstance(const SceneData& data, const TriangleMesh& mesh, const TracedInstance& instance,
-                           std::uint32_t index) {
-  const InstanceSource& source = data.instanceSource[index];
+void Emitters::addInstance(const Surfaces& surfaces, const TracedInstance& instance, std::uint32_t index) {
+  const TriangleMesh& mesh = surfaces.tracedMesh(surfaces.scene().data->instanceSource[index].mesh);
   const auto emissionOf = [&](std::size_t t) {
-    const Material* material = emittingMaterial(data, source, t);
+    const Material* material = surfaces.materialOfAll(index, std::uint32_t(t));
     return material ? material->emission : Color();
   };
   const RoundingView* view = instance.rounding ? &instance.rounding->view() : nullptr;

@@ -8,7 +8,7 @@
 // rays).
 #pragma once
 
-#include "server/render/scene_data.h"
+#include "server/render/surface.h"
 
 #include <optional>
 #include <unordered_map>
@@ -29,8 +29,9 @@ struct EmissiveTriangle {
 class Emitters {
 public:
   Emitters() = default;
-  /// `instances` in the order of the scene's data; their roundings must outlive this.
-  Emitters(const Scene& scene, const std::vector<TracedInstance>& instances);
+  /// `instances` in the order of the scene's data; their roundings must outlive this. Triangles of several
+  /// materials are left to scattered rays.
+  Emitters(const Surfaces& surfaces, const std::vector<TracedInstance>& instances);
   /// Sharp triangles in world coordinates alone, in ascending order of (instance, triangle).
   explicit Emitters(std::vector<EmissiveTriangle> triangles) : triangles_(std::move(triangles)) {}
 
@@ -60,8 +61,7 @@ private:
     std::vector<bool>
         aimedAt; ///< by solid: those of one emission all over, whose triangles lie in P's facets
   };
-  void addInstance(const SceneData& data, const TriangleMesh& mesh, const TracedInstance& instance,
-                   std::uint32_t index);
+  void addInstance(const Surfaces& surfaces, const TracedInstance& instance, std::uint32_t index);
   std::vector<EmissiveTriangle> triangles_;
   std::unordered_map<std::uint32_t, RoundedEmitter> rounded_; ///< by instance
 };

@@ -6,6 +6,7 @@
 #include "server/render/scene_description.h"
 #include "server/render/scene_files.h"
 #include "server/render/studio.h"
+#include "server/render/tangent_frame.h"
 
 #include "common/error.h"
 
@@ -17,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Part of every scene's id: to be changed whenever the same files give other pixels than before.
-constexpr char kRendererVersion[] = "chamfer renderer 1";
+constexpr char kRendererVersion[] = "chamfer renderer 2";
+constexpr char kNoNormals[] = "does not hold tangent-space normals: it looks like a height map";
 constexpr std::uintmax_t kLargestSceneFile = 256u << 20;
 
 class SceneLoader {
@@ -122,6 +124,12 @@ private:
     };
     material.baseColorTexture = texture(m.baseColorTexture, PixelEncoding::Automatic);
     material.roughnessTexture = texture(m.roughnessTexture, PixelEncoding::Linear);
+    material.normalTexture = texture(m.normalTexture, PixelEncoding::Linear);
+    if (material.normalTexture != kNoTexture && !holdsNormals(data_->textures[material.normalTexture])) {
+      scene_->warnings.push_back("material \"" + m.name + "\": " + m.normalTexture + " " + kNoNormals +
+                                 "; it is not used");
+      material.normalTexture = kNoTexture;
+    }
     data_->materials.push_back(material);
   }
 
@@ -131,6 +139,11 @@ private:
       material.baseColorTexture = addTexture(base_, d.baseColorTexture, PixelEncoding::Automatic);
     if (!d.roughnessTexture.empty())
       material.roughnessTexture = addTexture(base_, d.roughnessTexture, PixelEncoding::Linear);
+    if (!d.normalTexture.empty()) {
+      material.normalTexture = addTexture(base_, d.normalTexture, PixelEncoding::Linear);
+      if (!holdsNormals(data_->textures[material.normalTexture]))
+        throw Error(ErrorKind::Malformed, "normal_texture: " + d.normalTexture + " " + kNoNormals);
+    }
     data_->materials.push_back(material);
   }
 

@@ -26,6 +26,7 @@ struct Material {
   Color absorption;                            ///< per world unit, inside a transmissive solid
   std::uint32_t baseColorTexture = kNoTexture; ///< multiplies baseColor
   std::uint32_t roughnessTexture = kNoTexture; ///< multiplies roughness (its green channel)
+  std::uint32_t normalTexture = kNoTexture;    ///< turns the shading normal (tangent_frame.h)
   std::string name;
 
   bool emits() const { return !emission.isBlack(); }

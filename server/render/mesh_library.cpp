@@ -27,7 +27,8 @@ Digest contentDigest(const TriangleMesh& m, const Digest& geometry) {
   for (const MeshMaterial& a : m.materials) {
     const double numbers[] = {a.baseColor[0], a.baseColor[1], a.baseColor[2], a.roughness,   a.metallic,
                               a.transmission, a.ior,          a.emission[0],  a.emission[1], a.emission[2]};
-    text += hexOf(std::span<const double>(numbers)) + a.baseColorTexture + '\n' + a.roughnessTexture + '\n';
+    text += hexOf(std::span<const double>(numbers)) + a.baseColorTexture + '\n' + a.roughnessTexture + '\n' +
+            a.normalTexture + '\n';
   }
   return digestOf(text);
 }

@@ -1,6 +1,6 @@
 #include "server/render/path_tracer.h"
 
-#include "server/render/surface.h"
+#include "server/render/shading_normal.h"
 
 namespace chamfer {
 namespace {
@@ -17,26 +17,49 @@ Color transmittance(const Color& absorption, double distance) {
 
 } // namespace
 
-/// A surface point of the path, its frame on the side the path came from.
+/// A surface point of the path. Sides are told by the geometric normal, the BSDF stands in the frame of the
+/// shading normal, both on the side that the path came from (shading_normal.h).
 class PathTracer::Vertex {
 public:
-  Vertex(const TraceHit& hit, const Vector3& incoming, const SurfaceValues& surface)
-      : hit_(hit), side_(dot(incoming, hit.normal) > 0 ? -1 : 1), frame_(Vector3f(hit.normal * side_)),
-        bsdf_(surface, localOutgoing(incoming), side_ < 0) {}
+  Vertex(const TraceHit& hit, const Vector3& incoming, const ShadingNormal& shading,
+         const SurfaceValues& surface)
+      : hit_(hit), side_(dot(incoming, hit.normal) > 0 ? -1 : 1), smooth_(shading.smooth * side_),
+        normal_(onThisSide(incoming, shading.normal)), turned_(!(shading.normal == shading.smooth)),
+        frame_(Vector3f(normal_)), bsdf_(surface, localOutgoing(incoming), side_ < 0) {}
 
-  const Bsdf& bsdf() const { return bsdf_; }
+  bool hasSmoothPart() const { return bsdf_.hasSmoothPart(); }
   const Point3& position() const { return hit_.position; }
   RayOrigin leave(const Vector3& direction) const { return hit_.leave(direction); }
-  Vector3f toLocal(const Vector3& w) const { return frame_.toLocal(Vector3f(w)); }
-  Vector3 toWorld(const Vector3f& w) const { return normalize(Vector3(frame_.toWorld(w))); }
-  /// Do the float direction and the double one lie on the same side of the surface? At grazing angles
-  /// rounding can part them, and the path would go on inside the solid.
+
+  /// `wi` world, unit.
+  BsdfValue evaluate(const Vector3& wi) const {
+    const Vector3f local = frame_.toLocal(Vector3f(wi));
+    if (!sameSide(local, wi)) return {};
+    BsdfValue value = bsdf_.evaluate(local);
+    if (turned_ && local.z > 0) value.f *= float(terminatorFactor(smooth_, normal_, wi));
+    return value;
+  }
+  /// `wi` is set to the direction in the world, unit.
+  BsdfSample sample(float lobe, const Float2& u, Vector3& wi) const {
+    BsdfSample s = bsdf_.sample(lobe, u);
+    if (!s.valid) return s;
+    wi = normalize(Vector3(frame_.toWorld(s.wi)));
+    s.valid = sameSide(s.wi, wi);
+    if (turned_ && !s.delta && s.wi.z > 0) s.weight *= float(terminatorFactor(smooth_, normal_, wi));
+    return s;
+  }
+
+private:
+  /// Does the direction lie on the same side of the surface as of the shading frame? If not, light would go
+  /// through the surface; where the two normals are one, grazing directions can be parted by rounding.
   bool sameSide(const Vector3f& local, const Vector3& world) const {
     const double cosine = dot(world, hit_.normal) * side_;
     return local.z > 0 ? cosine > 0 : cosine < 0;
   }
-
-private:
+  Vector3 onThisSide(const Vector3& incoming, const Vector3& shading) const {
+    if (shading == hit_.normal) return shading * side_;
+    return bendNormal(-incoming, shading * side_, hit_.normal * side_);
+  }
   Vector3f localOutgoing(const Vector3& incoming) const {
     Vector3f wo = frame_.toLocal(Vector3f(-incoming));
     wo.z = std::max(wo.z, 1e-6f); // a cosine: exactly grazing rays still need a side
@@ -44,6 +67,8 @@ private:
   }
   const TraceHit& hit_;
   double side_; ///< -1: the path is inside the solid
+  Vector3 smooth_, normal_;
+  bool turned_;
   Frame frame_;
   Bsdf bsdf_;
 };
@@ -60,7 +85,7 @@ bool PathTracer::reaches(const Vertex& vertex, const LightSample& light, RayCoun
     const auto hit = tracer_.intersect(ray, from);
     reached = hit && hit->instance == light.instance && hit->solid == light.solid;
     if (!hit) return false; // past the rounded emitter, into the void
-    blocker = hit->feature;
+    blocker = surfaces_.place(*hit).feature;
   }
   count.hits += !reached;
   count.rounded += !reached && blocker != Feature::Flat;
@@ -71,16 +96,14 @@ Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const 
                               RayStatistics& statistics) const {
   const LightSample light = lights_.sample(vertex.position(), choice.x, u);
   if (!(light.pdf > 0) || light.radiance.isBlack()) return {};
-  const Vector3f wi = vertex.toLocal(light.toLight * (1 / length(light.toLight)));
-  const BsdfValue scattered = vertex.bsdf().evaluate(wi);
-  if (scattered.f.isBlack() || !vertex.sameSide(wi, light.toLight)) return {};
+  const BsdfValue scattered = vertex.evaluate(light.toLight * (1 / length(light.toLight)));
+  if (scattered.f.isBlack()) return {};
   if (!reaches(vertex, light, statistics.shadow)) return {};
   if (light.delta) return scattered.f * light.radiance;
   return scattered.f * light.radiance * (powerHeuristic(light.pdf, scattered.pdf) / light.pdf);
 }
 
 Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayStatistics& statistics) const {
-  const SceneData& data = *scene_.data;
   Color sum, throughput = grey(1);
   float scatterPdf = 0; // with which the last direction was drawn; 0: delta or camera
   float etaScale = 1;   // undoes the compression of radiance in glass, for Russian roulette only
@@ -90,8 +113,9 @@ Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayS
     const auto hit = tracer_.intersect(ray, from);
     if (!hit) return sum + throughput * lights_.escaped(Vector3f(ray.direction), scatterPdf);
     ++count->hits;
-    count->rounded += hit->rounded();
-    const Material& material = materialAt(data, *hit);
+    const SurfacePlace place = surfaces_.place(*hit);
+    const Material& material = *place.material;
+    count->rounded += place.rounded();
     const double cosine = dot(ray.direction, hit->normal);
     if (cosine > 0 && material.transmission > 0 && !material.absorption.isBlack())
       throughput *= transmittance(material.absorption, hit->t);
@@ -101,17 +125,16 @@ Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayS
     }
     if (bounce == maxBounces_) return sum;
 
-    const Vertex vertex(*hit, ray.direction, surfaceAt(scene_, material, *hit));
+    const Vertex vertex(*hit, ray.direction, surfaces_.shadingNormal(*hit, place, sampler, bounce),
+                        surfaces_.values(*hit, place));
     const std::uint32_t pair = kFirstPathPair + bounce * kPairsPerBounce;
     const Float2 choice = sampler.pair(pair + kChoicePair);
-    if (vertex.bsdf().hasSmoothPart() && !lights_.empty())
+    if (vertex.hasSmoothPart() && !lights_.empty())
       sum += throughput * directLight(vertex, choice, sampler.pair(pair + kLightPair), statistics);
 
-    const BsdfSample scattered = vertex.bsdf().sample(choice.y, sampler.pair(pair + kScatterPair));
+    const BsdfSample scattered = vertex.sample(choice.y, sampler.pair(pair + kScatterPair), ray.direction);
     if (!scattered.valid) return sum;
     ray.origin = hit->position;
-    ray.direction = vertex.toWorld(scattered.wi);
-    if (!vertex.sameSide(scattered.wi, ray.direction)) return sum;
     from = vertex.leave(ray.direction);
     throughput *= scattered.weight;
     etaScale *= scattered.etaSquared;

@@ -6,7 +6,7 @@
 
 #include "server/render/lights.h"
 #include "server/render/render.h"
-#include "server/render/sampler.h"
+#include "server/render/surface.h"
 
 namespace chamfer {
 
@@ -16,8 +16,8 @@ inline constexpr std::uint32_t kPixelPair = 0, kLensPair = 1, kFirstPathPair = 2
 class PathTracer {
 public:
   /// All must outlive the path tracer. `maxBounces`: scattering events; 0 shows lights only.
-  PathTracer(const Scene& scene, const Tracer& tracer, const Lights& lights, unsigned maxBounces)
-      : scene_(scene), tracer_(tracer), lights_(lights), maxBounces_(maxBounces) {}
+  PathTracer(const Surfaces& surfaces, const Tracer& tracer, const Lights& lights, unsigned maxBounces)
+      : surfaces_(surfaces), tracer_(tracer), lights_(lights), maxBounces_(maxBounces) {}
   /// `from`: where the ray starts, as a free point (a camera).
   Color radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayStatistics& statistics) const;
 
@@ -27,7 +27,7 @@ private:
   Color directLight(const Vertex& vertex, const Float2& choice, const Float2& u,
                     RayStatistics& statistics) const;
 
-  const Scene& scene_;
+  const Surfaces& surfaces_;
   const Tracer& tracer_;
   const Lights& lights_;
   unsigned maxBounces_;

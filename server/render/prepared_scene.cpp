@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 
+#include <map>
 #include <sstream>
 
 namespace chamfer {
@@ -29,10 +30,6 @@ std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, double radi
 std::vector<std::shared_ptr<const Rounding>> chooseRoundings(const Scene& scene, const RoundingChoice& choice,
                                                              unsigned threads) {
   std::vector<std::shared_ptr<const Rounding>> roundings(scene.meshes.size());
-  if (choice.mode == RoundingMode::Mesh || choice.mode == RoundingMode::Bevel)
-    throw Error(ErrorKind::OutOfRange,
-                "this version renders rounding=analytic and rounding=none; mesh:K and bevel:N "
-                "are not available yet");
   if (choice.mode == RoundingMode::None) return roundings;
   if (!choice.radius) {
     for (std::size_t i = 0; i < roundings.size(); ++i)
@@ -54,56 +51,68 @@ std::vector<std::shared_ptr<const Rounding>> chooseRoundings(const Scene& scene,
   return roundings;
 }
 
-} // namespace
-
-PreparedScene::PreparedScene(std::shared_ptr<const Scene> scene,
-                             std::vector<std::shared_ptr<const Rounding>> roundings)
-    : scene_(std::move(scene)), roundings_(std::move(roundings)) {
-  const SceneData& data = *scene_->data;
-  std::vector<TracedInstance> all = ownInstances();
-  all.insert(all.end(), data.extraInstances.begin(), data.extraInstances.end());
-  Emitters emitters(*scene_, all);
-  tracer_ = makeTracer(std::move(all));
-  lights_ = std::make_unique<Lights>(data.environment, data.distantLights, data.pointLights,
-                                     std::move(emitters), scene_->bounds, tracer_->bounds().diagonal());
+std::vector<MeshForm> chooseForms(const Scene& scene, const RoundingChoice& choice,
+                                  const std::vector<std::shared_ptr<const Rounding>>& roundings) {
+  std::vector<MeshForm> forms(roundings.size());
+  if (choice.mode == RoundingMode::Mesh) checkSegments(roundings, choice.count);
+  // Meshes of one file and radius share what is made of them.
+  using Key = std::pair<const TriangleMesh*, const Rounding*>;
+  std::map<Key, std::shared_ptr<const RoundedMesh>> made;
+  for (std::size_t i = 0; i < forms.size(); ++i) {
+    if (!roundings[i]) continue;
+    if (choice.mode == RoundingMode::Analytic) forms[i].analytic = roundings[i];
+    if (choice.mode == RoundingMode::Bevel) forms[i].bevelled = roundings[i];
+    if (choice.mode != RoundingMode::Mesh) continue;
+    const auto& mesh = scene.meshes[i].mesh;
+    auto& rounded = made[{mesh.get(), roundings[i].get()}];
+    if (!rounded) rounded = std::make_shared<RoundedMesh>(mesh, roundings[i], choice.count);
+    forms[i].explicitly = rounded;
+  }
+  return forms;
 }
 
-std::vector<TracedInstance> PreparedScene::ownInstances() const {
-  std::vector<TracedInstance> own = scene_->instances;
-  for (std::size_t i = 0; i < own.size(); ++i)
-    own[i].rounding = roundings_[scene_->data->instanceSource[i].mesh];
-  return own;
+} // namespace
+
+PreparedScene::PreparedScene(std::shared_ptr<const Scene> scene, std::vector<MeshForm> forms, unsigned probes)
+    : surfaces_(std::move(scene), std::move(forms), probes) {
+  const SceneData& data = *this->scene().data;
+  std::vector<TracedInstance> all = surfaces_.ownInstances();
+  all.insert(all.end(), data.extraInstances.begin(), data.extraInstances.end());
+  Emitters emitters(surfaces_, all);
+  tracer_ = makeTracer(std::move(all));
+  lights_ = std::make_unique<Lights>(data.environment, data.distantLights, data.pointLights,
+                                     std::move(emitters), this->scene().bounds, tracer_->bounds().diagonal());
 }
 
 const Tracer& PreparedScene::ownTracer() const {
-  if (scene_->data->extraInstances.empty()) return *tracer_;
-  std::call_once(ownOnce_, [&] { ownTracer_ = makeTracer(ownInstances()); });
+  if (scene().data->extraInstances.empty()) return *tracer_;
+  std::call_once(ownOnce_, [&] { ownTracer_ = makeTracer(surfaces_.ownInstances()); });
   return *ownTracer_;
 }
 
 std::size_t PreparedScene::memoryBytes() const {
-  std::size_t bytes = tracer_->memoryBytes() + lights_->memoryBytes();
-  for (const SceneMesh& m : scene_->meshes)
+  std::size_t bytes = tracer_->memoryBytes() + lights_->memoryBytes() + surfaces_.memoryBytes();
+  for (const SceneMesh& m : scene().meshes)
     bytes += m.mesh->positions.size() * sizeof(Point3) + m.mesh->triangles.size() * 3 * sizeof(std::uint32_t);
-  for (const Texture& t : scene_->data->textures)
+  for (const Texture& t : scene().data->textures)
     bytes += t.memoryBytes();
   return bytes;
 }
 
 std::size_t PreparedScene::tracedTriangles() const {
-  const std::size_t own = scene_->meshes.size();
   std::size_t sum = 0;
-  for (const InstanceSource& i : scene_->data->instanceSource) {
-    const SceneMesh& m = i.mesh < own ? scene_->meshes[i.mesh] : scene_->data->extraMeshes[i.mesh - own];
-    sum += m.mesh->triangles.size();
-  }
+  for (const InstanceSource& i : scene().data->instanceSource)
+    sum += surfaces_.tracedMesh(i.mesh).triangles.size();
   return sum;
 }
 
 std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const RoundingChoice& choice,
                                              unsigned threads) {
-  auto roundings = chooseRoundings(*scene, choice, threads);
-  return std::make_shared<PreparedScene>(std::move(scene), std::move(roundings));
+  if (choice.mode == RoundingMode::Bevel && (choice.count < 1 || choice.count > kMostBevelProbes))
+    throw Error(ErrorKind::OutOfRange, "a bevel takes 1 to " + std::to_string(kMostBevelProbes) +
+                                           " probes, not " + std::to_string(choice.count));
+  auto forms = chooseForms(*scene, choice, chooseRoundings(*scene, choice, threads));
+  return std::make_shared<PreparedScene>(std::move(scene), std::move(forms), choice.count);
 }
 
 const Tracer& ownTracer(const PreparedScene& prepared) { return prepared.ownTracer(); }

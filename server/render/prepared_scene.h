@@ -3,7 +3,7 @@
 
 #include "server/render/lights.h"
 #include "server/render/render.h"
-#include "server/render/scene_data.h"
+#include "server/render/surface.h"
 
 #include <mutex>
 
@@ -11,10 +11,10 @@ namespace chamfer {
 
 class PreparedScene {
 public:
-  /// `roundings`: by mesh of the scene, null where the mesh is sharp.
-  PreparedScene(std::shared_ptr<const Scene> scene, std::vector<std::shared_ptr<const Rounding>> roundings);
+  PreparedScene(std::shared_ptr<const Scene> scene, std::vector<MeshForm> forms, unsigned probes);
 
-  const Scene& scene() const { return *scene_; }
+  const Scene& scene() const { return surfaces_.scene(); }
+  const Surfaces& surfaces() const { return surfaces_; }
   const Tracer& tracer() const { return *tracer_; } ///< all instances, extra ones last
   const Lights& lights() const { return *lights_; }
   const Tracer& ownTracer() const; ///< without extra instances; made at first use
@@ -22,9 +22,7 @@ public:
   std::size_t tracedTriangles() const;
 
 private:
-  std::vector<TracedInstance> ownInstances() const;
-  std::shared_ptr<const Scene> scene_;
-  std::vector<std::shared_ptr<const Rounding>> roundings_;
+  Surfaces surfaces_;
   std::shared_ptr<const Tracer> tracer_;
   std::unique_ptr<const Lights> lights_;
   mutable std::once_flag ownOnce_;

@@ -52,14 +52,14 @@ class TileJob {
 public:
   TileJob(const PreparedScene& prepared, const RenderSettings& settings, const TileRect& tile,
           const RenderControl& control)
-      : scene_(prepared.scene()), tracer_(prepared.tracer()), settings_(settings), tile_(tile),
-        control_(control),
-        camera_(settings.camera ? *settings.camera : scene_.camera, settings.width, settings.height),
-        paths_(scene_, tracer_, prepared.lights(), settings.maxBounces),
+      : surfaces_(prepared.surfaces()), tracer_(prepared.tracer()), settings_(settings), tile_(tile),
+        control_(control), camera_(settings.camera ? *settings.camera : prepared.scene().camera,
+                                   settings.width, settings.height),
+        paths_(surfaces_, tracer_, prepared.lights(), settings.maxBounces),
         columns_((tile.width + kBlock - 1) / kBlock),
         blocks_(columns_ * ((tile.height + kBlock - 1) / kBlock)) {
     // All rays of a pinhole start at the eye: whether that is in a sliver is asked once.
-    const Camera& camera = settings.camera ? *settings.camera : scene_.camera;
+    const Camera& camera = settings.camera ? *settings.camera : prepared.scene().camera;
     from_.maybeInSliver = camera_.usesLens() || tracer_.insideSolid(camera.eye);
     result_.image = {tile.width, tile.height, std::vector<float>(std::size_t(tile.width) * tile.height * 4)};
   }
@@ -130,13 +130,13 @@ private:
     if (settings_.aov == Aov::Beauty)
       sample = {paths_.radiance(ray, from_, sampler, statistics), 1};
     else
-      sample = aovSample(scene_, tracer_, settings_.aov, ray, from_, statistics);
+      sample = aovSample(surfaces_, tracer_, settings_.aov, ray, from_, sampler, statistics);
     if (isFinite(sample.value)) return sample;
     ++statistics.nonFiniteSamples;
     return {{}, sample.coverage};
   }
 
-  const Scene& scene_;
+  const Surfaces& surfaces_;
   const Tracer& tracer_;
   const RenderSettings& settings_;
   const TileRect& tile_;

@@ -9,7 +9,8 @@
 //       it sharp for good.
 //   "materials": [{"name", "base_color", "roughness", "metallic", "specular", "transmission", "ior",
 //   "emission",
-//                  "absorption", "base_color_texture", "roughness_texture"}] (material.h)
+//                  "absorption", "base_color_texture", "roughness_texture", "normal_texture"}] (material.h)
+//       The normal texture is in tangent space by OpenGL's convention (tangent_frame.h).
 //   "instances": [{"mesh", "material", "matrix": 16 numbers, row by row |
 //                  "scale": s | [x,y,z], "rotate": {"axis","degrees"} | [...in order], "translate": [x,y,z],
 //                  "repeat": [{"count", "step": [x,y,z]}, ...]}]
@@ -90,7 +91,7 @@ MeshDescription readMeshEntry(const JsonReader& j, NameIndex& names) {
 
 MaterialDescription readMaterial(const JsonReader& j, NameIndex& names) {
   j.requireObject({"name", "base_color", "roughness", "metallic", "specular", "transmission", "ior",
-                   "emission", "absorption", "base_color_texture", "roughness_texture"});
+                   "emission", "absorption", "base_color_texture", "roughness_texture", "normal_texture"});
   MaterialDescription d;
   d.path = j.path();
   Material& m = d.material;
@@ -108,6 +109,7 @@ MaterialDescription readMaterial(const JsonReader& j, NameIndex& names) {
   j.with("absorption", [&](const JsonReader& r) { m.absorption = r.color(kEmission); });
   j.with("base_color_texture", [&](const JsonReader& r) { d.baseColorTexture = r.string(); });
   j.with("roughness_texture", [&](const JsonReader& r) { d.roughnessTexture = r.string(); });
+  j.with("normal_texture", [&](const JsonReader& r) { d.normalTexture = r.string(); });
   return d;
 }
 

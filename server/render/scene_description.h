@@ -23,8 +23,8 @@ struct MeshDescription {
 };
 
 struct MaterialDescription {
-  Material material;                              ///< its textures are not set
-  std::string baseColorTexture, roughnessTexture; ///< files; empty: none
+  Material material;                                             ///< its textures are not set
+  std::string baseColorTexture, roughnessTexture, normalTexture; ///< files; empty: none
   std::string path;
 };
 

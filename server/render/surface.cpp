@@ -1,37 +1,129 @@
 #include "server/render/surface.h"
 
-namespace chamfer {
-namespace {
+#include "server/render/bevel.h"
+#include "server/render/tangent_frame.h"
 
-/// Texture coordinates of the hit; false where the mesh has none there.
-bool textureCoordinates(const TriangleMesh& mesh, const TraceHit& hit, Float2& uv) {
-  if (hit.triangle >= mesh.uvTriangles.size()) return false;
-  const auto& corners = mesh.uvTriangles[hit.triangle];
-  if (corners[0] == kNone || corners[1] == kNone || corners[2] == kNone) return false;
-  const auto &a = mesh.uvs[corners[0]], &b = mesh.uvs[corners[1]], &c = mesh.uvs[corners[2]];
-  const float w = 1 - hit.u - hit.v;
-  uv = {w * a[0] + hit.u * b[0] + hit.v * c[0], w * a[1] + hit.u * b[1] + hit.v * c[1]};
+namespace chamfer {
+
+Surfaces::Surfaces(std::shared_ptr<const Scene> scene, std::vector<MeshForm> forms, unsigned probes)
+    : scene_(std::move(scene)), forms_(std::move(forms)), probes_(probes) {}
+
+const MeshForm* Surfaces::form(std::uint32_t instance) const {
+  const std::uint32_t mesh = source(instance).mesh;
+  return mesh < forms_.size() ? &forms_[mesh] : nullptr;
+}
+
+const TriangleMesh& Surfaces::tracedMesh(std::uint32_t mesh) const {
+  const std::size_t own = forms_.size();
+  if (mesh >= own) return *scene_->data->extraMeshes[mesh - own].mesh;
+  return forms_[mesh].explicitly ? forms_[mesh].explicitly->mesh() : *scene_->meshes[mesh].mesh;
+}
+
+std::vector<TracedInstance> Surfaces::ownInstances() const {
+  std::vector<TracedInstance> own = scene_->instances;
+  for (std::uint32_t i = 0; i < own.size(); ++i) {
+    const MeshForm& f = *form(i);
+    own[i].rounding = f.analytic;
+    if (f.explicitly) own[i].mesh = f.explicitly->traced();
+  }
+  return own;
+}
+
+const Material& Surfaces::material(const InstanceSource& source, std::uint32_t originalTriangle) const {
+  const SceneData& data = *scene_->data;
+  if (source.material != kNone) return data.materials[source.material];
+  const std::vector<std::uint32_t>& own = data.meshMaterials[source.mesh].ofTriangle;
+  return data.materials[own.empty() ? SceneData::kDefaultMaterial : own[originalTriangle]];
+}
+
+const Material* Surfaces::materialOfAll(std::uint32_t instance, std::uint32_t triangle) const {
+  const InstanceSource& s = source(instance);
+  const MeshForm* f = form(instance);
+  if (f && f->explicitly && s.material == kNone) triangle = f->explicitly->originalOfAll(triangle);
+  return triangle == kNone ? nullptr : &material(s, triangle);
+}
+
+SurfacePlace Surfaces::place(const TraceHit& hit) const {
+  const MeshPlace met{hit.triangle, hit.u, hit.v};
+  const MeshForm* f = form(hit.instance);
+  SurfacePlace p;
+  if (f && f->explicitly) {
+    p.original = f->explicitly->original(met);
+    p.feature = f->explicitly->feature(hit.triangle);
+  } else {
+    p.original = met;
+    p.feature = hit.feature;
+  }
+  p.material = &material(source(hit.instance), p.original.triangle);
+  return p;
+}
+
+ShadingNormal Surfaces::shadingNormal(const TraceHit& hit, const SurfacePlace& place, const Sampler& sampler,
+                                      unsigned bounce) const {
+  ShadingNormal n{hit.normal, hit.normal};
+  const MeshForm* f = form(hit.instance);
+  if (!f) return n;
+  if (f->explicitly) {
+    const Transform& world = scene_->instances[hit.instance].worldFromObject;
+    n.smooth = normalize(Vector3(world(Normal3(f->explicitly->normal({hit.triangle, hit.u, hit.v})))));
+    n.normal = n.smooth;
+  } else if (f->bevelled) {
+    const TracedInstance& instance = scene_->instances[hit.instance];
+    const Transform objectFromWorld = instance.worldFromObject.inverse();
+    const Vector3 flat = normalize(Vector3(objectFromWorld(Normal3(hit.normal))));
+    const Vector3 bent = bevelNormal(
+        {*instance.mesh, tracedMesh(source(hit.instance).mesh), f->bevelled->view()}, hit.triangle,
+        objectFromWorld(hit.position), flat, probes_, sampler, kFirstBevelPair + bounce * kMostBevelProbes);
+    if (!(bent == flat)) n.normal = normalize(Vector3(instance.worldFromObject(Normal3(bent))));
+  }
+  if (place.material->normalTexture != kNoTexture) n.normal = textureNormal(hit, place, n.normal);
+  return n;
+}
+
+bool Surfaces::textureCoordinates(const TraceHit& hit, const SurfacePlace& place, Float2& uv) const {
+  const std::uint32_t index = source(hit.instance).mesh;
+  if (index >= scene_->meshes.size()) return false; // a studio's own objects have no textures
+  const TriangleMesh& mesh = *scene_->meshes[index].mesh;
+  const auto corners = uvCorners(mesh, place.original.triangle);
+  if (!corners) return false;
+  const auto& [a, b, c] = *corners;
+  const float u = place.original.u, v = place.original.v, w = 1 - u - v;
+  uv = {w * a[0] + u * b[0] + v * c[0], w * a[1] + u * b[1] + v * c[1]};
   return true;
 }
 
-} // namespace
-
-SurfaceValues surfaceAt(const Scene& scene, const Material& m, const TraceHit& hit) {
+SurfaceValues Surfaces::values(const TraceHit& hit, const SurfacePlace& place) const {
+  const Material& m = *place.material;
   SurfaceValues s{m.baseColor, m.roughness, m.metallic, m.specular, m.transmission, m.ior};
   if (m.baseColorTexture == kNoTexture && m.roughnessTexture == kNoTexture) return s;
-  const SceneData& data = *scene.data;
-  const std::uint32_t mesh = data.instanceSource[hit.instance].mesh;
-  if (mesh >= scene.meshes.size()) return s; // a studio's own objects have no textures
   Float2 uv;
-  if (!textureCoordinates(*scene.meshes[mesh].mesh, hit, uv)) return s;
+  if (!textureCoordinates(hit, place, uv)) return s;
+  const std::vector<Texture>& textures = scene_->data->textures;
   if (m.baseColorTexture != kNoTexture) {
-    const Color c = data.textures[m.baseColorTexture].at(uv.x, uv.y);
+    const Color c = textures[m.baseColorTexture].at(uv.x, uv.y);
     const auto unit = [](float v) { return std::clamp(v, 0.f, 1.f); };
     s.baseColor *= Color{unit(c.r), unit(c.g), unit(c.b)};
   }
   if (m.roughnessTexture != kNoTexture)
-    s.roughness *= std::clamp(data.textures[m.roughnessTexture].at(uv.x, uv.y).g, 0.f, 1.f);
+    s.roughness *= std::clamp(textures[m.roughnessTexture].at(uv.x, uv.y).g, 0.f, 1.f);
   return s;
+}
+
+Vector3 Surfaces::textureNormal(const TraceHit& hit, const SurfacePlace& place, const Vector3& normal) const {
+  Float2 uv;
+  if (!textureCoordinates(hit, place, uv)) return normal;
+  const TriangleMesh& mesh = *scene_->meshes[source(hit.instance).mesh].mesh;
+  const auto frame =
+      tangentFrame(mesh, place.original.triangle, normal, scene_->instances[hit.instance].worldFromObject);
+  if (!frame) return normal;
+  return frame->turned(scene_->data->textures[place.material->normalTexture].at(uv.x, uv.y));
+}
+
+std::size_t Surfaces::memoryBytes() const {
+  std::size_t bytes = 0;
+  for (const MeshForm& f : forms_)
+    if (f.explicitly) bytes += f.explicitly->memoryBytes();
+  return bytes;
 }
 
 } // namespace chamfer

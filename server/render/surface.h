@@ -1,19 +1,74 @@
-// What a hit is made of.
+// What a hit is made of and how shading sees it: the one place that knows which rounding was chosen. The
+// exact rounding's hits carry their normal; a mesh's normals are interpolated, a bevel's are probed, and a
+// normal texture turns what comes out of that.
 #pragma once
 
 #include "server/render/bsdf.h"
+#include "server/render/render.h"
+#include "server/render/rounded_mesh.h"
+#include "server/render/sampler.h"
 #include "server/render/scene_data.h"
 
 namespace chamfer {
 
-inline const Material& materialAt(const SceneData& data, const TraceHit& hit) {
-  const InstanceSource& source = data.instanceSource[hit.instance];
-  if (source.material != kNone) return data.materials[source.material];
-  const std::vector<std::uint32_t>& own = data.meshMaterials[source.mesh].ofTriangle;
-  return data.materials[own.empty() ? SceneData::kDefaultMaterial : own[hit.triangle]];
-}
+/// A mesh of the scene as the chosen rounding has it traced.
+struct MeshForm {
+  std::shared_ptr<const Rounding> analytic;      ///< null: not traced with its exact rounding
+  std::shared_ptr<const RoundedMesh> explicitly; ///< null: the mesh itself is traced
+  std::shared_ptr<const Rounding> bevelled;      ///< null: no bevel shader
+};
 
-/// The material's values with its textures looked up at the hit's place on the unrounded mesh.
-SurfaceValues surfaceAt(const Scene& scene, const Material& material, const TraceHit& hit);
+/// A hit's place on the original mesh, with the original surface's material.
+struct SurfacePlace {
+  MeshPlace original;
+  Feature feature;
+  const Material* material;
+  bool rounded() const { return feature != Feature::Flat; }
+};
+
+/// World, unit, outward.
+struct ShadingNormal {
+  Vector3 smooth; ///< of the surface that the geometry stands for
+  Vector3 normal; ///< for shading: `smooth`, turned by a bevel or a normal texture
+};
+
+/// Sampler pairs from here on belong to bevel probes: kMostBevelProbes a bounce, none of a path's own.
+inline constexpr std::uint32_t kFirstBevelPair = 1u << 16, kMostBevelProbes = 256;
+
+class Surfaces {
+public:
+  /// `forms` by mesh of the scene; `probes`: of each bevelled hit, 1 to kMostBevelProbes.
+  Surfaces(std::shared_ptr<const Scene> scene, std::vector<MeshForm> forms, unsigned probes);
+
+  SurfacePlace place(const TraceHit& hit) const;
+  /// `bounce`: which of the path's hits this is, for the probes' random numbers.
+  ShadingNormal shadingNormal(const TraceHit& hit, const SurfacePlace& place, const Sampler& sampler,
+                              unsigned bounce) const;
+  /// The material's values with its textures looked up.
+  SurfaceValues values(const TraceHit& hit, const SurfacePlace& place) const;
+
+  const Scene& scene() const { return *scene_; }
+  /// The mesh that rays meet, of one in the scene's order, extra meshes last.
+  const TriangleMesh& tracedMesh(std::uint32_t mesh) const;
+  /// All instances as they are traced: the scene's own, without a studio's.
+  std::vector<TracedInstance> ownInstances() const;
+  /// The material of a traced triangle; null where it has several.
+  const Material* materialOfAll(std::uint32_t instance, std::uint32_t triangle) const;
+  std::size_t memoryBytes() const; ///< of explicit meshes, without hierarchies
+
+private:
+  const InstanceSource& source(std::uint32_t instance) const {
+    return scene_->data->instanceSource[instance];
+  }
+  /// Null for a studio's own objects.
+  const MeshForm* form(std::uint32_t instance) const;
+  const Material& material(const InstanceSource& source, std::uint32_t originalTriangle) const;
+  bool textureCoordinates(const TraceHit& hit, const SurfacePlace& place, Float2& uv) const;
+  Vector3 textureNormal(const TraceHit& hit, const SurfacePlace& place, const Vector3& normal) const;
+
+  std::shared_ptr<const Scene> scene_;
+  std::vector<MeshForm> forms_;
+  unsigned probes_;
+};
 
 } // namespace chamfer

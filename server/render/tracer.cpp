@@ -521,4 +521,53 @@ std::shared_ptr<const Tracer> makeTracer(std::vector<TracedInstance> instances) 
   return std::make_shared<EmbreeTracer>(std::move(instances));
 }
 
+namespace {
+
+struct ProbeQuery {
+  RTCIntersectContext context; // first, so that Embree's pointer to it is ours
+  std::span<MeshHit> hits;
+  std::size_t count;
+};
+
+/// Notes the triangle and lets the ray go on.
+void probeFilter(const RTCFilterFunctionNArguments* args) {
+  auto& q = *reinterpret_cast<ProbeQuery*>(args->context);
+  const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
+  const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+  args->valid[0] = 0;
+  const auto kept = q.hits.first(std::min(q.count, q.hits.size()));
+  for (const MeshHit& seen : kept)
+    if (seen.triangle == hit.primID) return; // Embree may offer a triangle several times
+  if (q.count < q.hits.size()) q.hits[q.count] = {double(ray.tfar), hit.primID};
+  ++q.count;
+}
+
+} // namespace
+
+std::size_t allHits(const TracedMesh& mesh, const Ray& ray, double tfar, std::span<MeshHit> hits) {
+  ProbeQuery q;
+  rtcInitIntersectContext(&q.context);
+  q.context.filter = &probeFilter;
+  q.hits = hits;
+  q.count = 0;
+  RTCRayHit rayHit;
+  const Vector3 origin = Vector3(ray.origin) - mesh.centre();
+  rayHit.ray = {float(origin.x),
+                float(origin.y),
+                float(origin.z),
+                0,
+                float(ray.direction.x),
+                float(ray.direction.y),
+                float(ray.direction.z),
+                0,
+                above(tfar),
+                ~0u,
+                0,
+                0};
+  rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(mesh.scene(), &q.context, &rayHit);
+  return q.count;
+}
+
 } // namespace chamfer

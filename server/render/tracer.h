@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace chamfer {
@@ -18,6 +19,15 @@ namespace chamfer {
 /// A mesh with its bounding volume hierarchy; shared by all instances, scenes and roundings of it.
 class TracedMesh;
 std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleMesh> mesh);
+
+/// A triangle that a probe met; the mesh's frame.
+struct MeshHit {
+  double t; ///< in units of the direction's length
+  std::uint32_t triangle;
+};
+/// All triangles of the mesh that `ray` (mesh's frame) meets with t in (0, tfar), in no order. Returns how
+/// many there are; as many of them as fit are stored in `hits`.
+std::size_t allHits(const TracedMesh& mesh, const Ray& ray, double tfar, std::span<MeshHit> hits);
 
 /// One placed object. `rounding` null: the mesh is sharp.
 struct TracedInstance {

@@ -70,6 +70,22 @@ TEST(ExplicitMesh, ConvergesToSteinersFormulas) {
   }
 }
 
+TEST(ExplicitMesh, ItsSizeIsKnownWithoutMakingIt) {
+  for (const auto& solid : oracle::familyCatalogue())
+    for (const double share : {0.1, 0.95}) { // at 0.95 whole facets have vanished
+      const TriangleMesh mesh = meshOf(solid);
+      PreprocessOptions options;
+      options.radius.value = share * double(oracle::inball(solid).radius);
+      const auto result = preprocess(mesh, options);
+      const ExplicitMeshSize size(result.rounding->view());
+      for (const unsigned segments : {1u, 2u, 7u}) {
+        const ExplicitMesh made = explicitMesh(result.rounding->view(), mesh, segments);
+        EXPECT_EQ(made.triangles.size(), size.triangles(segments)) << solid.name << " at " << share;
+        EXPECT_EQ(made.features.size(), made.triangles.size());
+      }
+    }
+}
+
 TEST(ExplicitMesh, VerticesLieOnTheRoundedSolidWithItsNormals) {
   const auto solid = oracle::hullOnSphere(40, 7);
   const double r = 0.4 * double(oracle::inball(solid).radius);

@@ -1,6 +1,6 @@
 // Light whose amount is known exactly: furnaces, closed boxes, direct light in closed form.
 #include "server/render/camera.h"
-#include "server/render/surface.h"
+#include "server/render/prepared_scene.h"
 #include "tests/render/direction_chi_squared.h"
 #include "tests/render/scene_files_fixture.h"
 
@@ -52,6 +52,7 @@ Estimate measure(const std::shared_ptr<const Scene>& scene, const View& view) {
 Estimate measureByScattering(const std::shared_ptr<const Scene>& scene, const View& view) {
   const auto prepared = prepare(scene, view.rounding);
   const Tracer& tracer = ownTracer(*prepared);
+  const Surfaces& surfaces = prepared->surfaces();
   const CameraRays camera(view.camera, 1, 1);
   test::UniformNumbers u(11);
   double sum = 0, squares = 0;
@@ -64,7 +65,8 @@ Estimate measureByScattering(const std::shared_ptr<const Scene>& scene, const Vi
       const Vector3 d(Frame(Vector3f(hit->normal)).toWorld(warpToCosineHemisphere(u.pair())));
       const auto light = tracer.intersect({hit->position, d}, hit->leave(d));
       if (light)
-        value = materialAt(*scene->data, *hit).baseColor.g * materialAt(*scene->data, *light).emission.g;
+        value =
+            double(surfaces.place(*hit).material->baseColor.g * surfaces.place(*light).material->emission.g);
     }
     sum += value / samples;
     squares += value * value / samples;

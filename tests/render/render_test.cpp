@@ -1,5 +1,6 @@
 // What renderTile() promises: purity, tiles, sample ranges, light in closed form.
 #include "server/render/aov.h"
+#include "server/render/prepared_scene.h"
 #include "tests/render/scene_files_fixture.h"
 
 #include <gmock/gmock.h>
@@ -129,7 +130,8 @@ TEST(Aovs, TellWhatTheFirstHitIs) {
   const auto prepared = prepare(scene, {});
   RayStatistics statistics;
   const auto at = [&](Aov aov, double x, double y) {
-    return aovSample(*scene, ownTracer(*prepared), aov, {{x, y, 3}, {0, 0, -1}}, {}, statistics);
+    return aovSample(prepared->surfaces(), ownTracer(*prepared), aov, {{x, y, 3}, {0, 0, -1}}, {},
+                     Sampler(0, 0, 0, 0), statistics);
   };
   EXPECT_EQ(at(Aov::Albedo, 0, 0).value, (Color{0.5f, 0.1f, 0.2f}));
   EXPECT_EQ(at(Aov::Normal, 0, 0).value, (Color{0, 0, 1}));

@@ -170,8 +170,11 @@ TEST(Prepare, RefusesARadiusThatIsTooLargeAndNamesTheLargest) {
               HasSubstr("below 0.5, the inradius of mesh \"small\""));
   EXPECT_THAT(thrown({RoundingMode::Analytic, 0, 0.0}), StartsWith("out-of-range: "));
   EXPECT_THAT(thrown({RoundingMode::Analytic, 0, NAN}), StartsWith("out-of-range: "));
-  EXPECT_THAT(thrown({RoundingMode::Mesh, 4, {}}), StartsWith("out-of-range: "));
-  EXPECT_THAT(thrown({RoundingMode::Bevel, 4, {}}), StartsWith("out-of-range: "));
+  for (const RoundingMode mode : {RoundingMode::Mesh, RoundingMode::Bevel}) {
+    EXPECT_EQ(thrown({mode, 4, 0.49}), "nothing");
+    EXPECT_THAT(thrown({mode, 4, 0.5}), StartsWith("radius-too-large: "));
+  }
+  EXPECT_THAT(thrown({RoundingMode::Bevel, 257, {}}), StartsWith("out-of-range: "));
 }
 
 TEST(Prepare, OnlyWhatIsRoundedFollowsTheRadius) {
