@@ -38,7 +38,7 @@ TEST(RoundedMesh, AgreesWithTheExactRoundingUnderAnyTransform) {
   // The largest triangles of a sphere's grid lie twice as deep below it as a chord; stretched by the scale.
   const double tolerance = 2 * 2 * 0.2 * (1 - std::cos(std::numbers::pi / 4 / 64));
   int hits = 0, rounded = 0, parted = 0;
-  for (const Ray& ray : raysAt({{-1, -1, -0.5}, {4, 1, 2}}, 20000)) {
+  for (const Ray& ray : raysAt({{-1, -1, -0.5}, {4, 1, 2}}, 60000)) {
     const auto a = exact->tracer().intersect(ray), b = mesh->tracer().intersect(ray);
     if (a.has_value() != b.has_value() || (a && a->instance != b->instance)) {
       ++parted; // at silhouettes
