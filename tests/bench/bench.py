@@ -3,6 +3,7 @@
 
   bench.py table    every scene with every rounding: time, memory, ratios to none (the paper's Table 1)
   bench.py flight   a camera flight towards rounded objects: cost over the share of affected rays (its Fig. 11)
+  bench.py cycles   the same scenes in Blender's Cycles: samples per second and pictures side by side
 
 Every measurement is a process of its own, the variants are interleaved over several rounds, and medians are printed. Results go
 to a folder (-o); a command that was interrupted goes on where it stopped, when it is given again. Programs are taken from
@@ -12,7 +13,7 @@ import os
 import pathlib
 import sys
 
-from chamfer_bench import flight, scenes, table
+from chamfer_bench import cycles, flight, scenes, table
 from chamfer_bench.render import RunLog, Setting
 
 SOURCE = scenes.SOURCE
@@ -75,13 +76,22 @@ def _flight(options):
                options.near, setting)
 
 
+def _cycles(options):
+    blender = cycles.find_blender(options.blender)
+    if not blender:
+        return
+    setting = _setting(options, full=(960, 540, 16), quick=(320, 180, 16))
+    names = options.scenes or (["gems", "still-life"] if options.quick else [*scenes.STANDS_FOR, "still-life", "room"])
+    cycles.run(Context(options, names), blender, names, options.rounds or (1 if options.quick else 3), setting)
+
+
 def _shared(parser):
     parser.add_argument("-o", "--output", default=str(SOURCE / "build/bench"), help="folder of the results (default: %(default)s)")
     parser.add_argument("--quick", action="store_true", help="small pictures, few samples and variants: ends within three minutes")
     parser.add_argument("--rounds", type=int, help="repetitions of everything; medians are taken over them")
     parser.add_argument("--width", type=int, help="pixels (default 960; quick 320)")
     parser.add_argument("--height", type=int, help="pixels (default 540; quick 180)")
-    parser.add_argument("--samples", type=int, help="a pixel (default 16; quick 8)")
+    parser.add_argument("--samples", type=int, help="a pixel (default 16; quick 8, for cycles 16)")
     parser.add_argument("--bounces", type=int, default=8, help="longest path (default: %(default)s)")
     parser.add_argument("--threads", type=int, help="of every render (default: all cores)")
     parser.add_argument("--chamferd", help="program to measure (default: build/release/server/chamferd)")
@@ -110,6 +120,17 @@ def main():
     sub.add_argument("--far", type=float, default=6, help="first distance, of the scene's own camera (default: %(default)s)")
     sub.add_argument("--near", type=float, default=0.12, help="last distance (default: %(default)s)")
     sub.set_defaults(command=_flight)
+
+    sub = commands.add_parser("cycles", help="the same scenes in Blender's Cycles",
+                              description="Renders the scenes with chamferd and with Cycles (Blender 3.4, on the CPU): sharp, and rounded by our "
+                              "method against Cycles' Bevel node (4 probes, the same radius) and the bevel modifier. Writes cycles.json, "
+                              "SCENE-sharp.png and SCENE-rounded.png. Cycles' time is the difference of a long and a short render on "
+                              "data that it keeps: no synchronisation, no hierarchy building.")
+    _shared(sub)
+    sub.add_argument("--scenes", nargs="+", choices=[s for s in scenes.ALL if s != "wall"], metavar="SCENE",
+                     help="of " + ", ".join(s for s in scenes.ALL if s != "wall"))
+    sub.add_argument("--blender", default="blender", help="program (default: %(default)s)")
+    sub.set_defaults(command=_cycles)
 
     options = parser.parse_args()
     try:
