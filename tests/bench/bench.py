@@ -86,8 +86,10 @@ def _cycles(options):
 
 
 def _shared(parser):
-    parser.add_argument("-o", "--output", default=str(SOURCE / "build/bench"), help="folder of the results (default: %(default)s)")
-    parser.add_argument("--quick", action="store_true", help="small pictures, few samples and variants: ends within three minutes")
+    parser.add_argument("-o", "--output", default=str(SOURCE / "build/bench"),
+                        help="folder of the results (default: %(default)s)")
+    parser.add_argument("--quick", action="store_true",
+                        help="small pictures, few samples and variants: ends within three minutes")
     parser.add_argument("--rounds", type=int, help="repetitions of everything; medians are taken over them")
     parser.add_argument("--width", type=int, help="pixels (default 960; quick 320)")
     parser.add_argument("--height", type=int, help="pixels (default 540; quick 180)")
@@ -105,14 +107,17 @@ def main():
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     sub = commands.add_parser("table", help="every scene with every rounding (the paper's Table 1)",
-                              description="Times every scene with every rounding, interleaved, and prints the paper's Table 1; writes table.json and table.svg.")
+                              description="Times every scene with every rounding, interleaved, and prints the paper's Table 1; "
+                              "writes table.json and table.svg.")
     _shared(sub)
     sub.add_argument("--scenes", nargs="+", choices=scenes.ALL, metavar="SCENE", help="of " + ", ".join(scenes.ALL))
-    sub.add_argument("--roundings", nargs="+", metavar="R", help="of none, analytic, mesh:K, bevel:N (default: " + " ".join(table.ROUNDINGS) + ")")
+    sub.add_argument("--roundings", nargs="+", metavar="R",
+                     help="of none, analytic, mesh:K, bevel:N (default: " + " ".join(table.ROUNDINGS) + ")")
     sub.set_defaults(command=_table)
 
     sub = commands.add_parser("flight", help="cost over the share of affected rays (the paper's Fig. 11)",
-                              description="Moves the camera towards a scene's target and prints what each rounding costs over the share of rays it affects; writes flight.json and flight.svg.")
+                              description="Moves the camera towards a scene's target and prints what each rounding costs over the "
+                              "share of rays it affects; writes flight.json and flight.svg.")
     _shared(sub)
     sub.add_argument("--scene", default="gems", choices=scenes.ALL, metavar="SCENE", help="default: %(default)s")
     sub.add_argument("--roundings", nargs="+", metavar="R", help="beside none (default: analytic bevel:4)")
@@ -122,10 +127,11 @@ def main():
     sub.set_defaults(command=_flight)
 
     sub = commands.add_parser("cycles", help="the same scenes in Blender's Cycles",
-                              description="Renders the scenes with chamferd and with Cycles (Blender 3.4, on the CPU): sharp, and rounded by our "
-                              "method against Cycles' Bevel node (4 probes, the same radius) and the bevel modifier. Writes cycles.json, "
-                              "SCENE-sharp.png and SCENE-rounded.png. Cycles' time is the difference of a long and a short render on "
-                              "data that it keeps: no synchronisation, no hierarchy building.")
+                              description="Renders the scenes with chamferd and with Cycles (Blender 3.4, on the CPU): sharp, and "
+                              "rounded by our method against Cycles' Bevel node (4 probes, the same radius) and the bevel "
+                              "modifier. Writes cycles.json, SCENE-sharp.png and SCENE-rounded.png. Cycles' time is the "
+                              "difference of a long and a short render on data that it keeps: no synchronisation, no hierarchy "
+                              "building.")
     _shared(sub)
     sub.add_argument("--scenes", nargs="+", choices=[s for s in scenes.ALL if s != "wall"], metavar="SCENE",
                      help="of " + ", ".join(s for s in scenes.ALL if s != "wall"))

@@ -67,8 +67,8 @@ class GeneratedScenes(unittest.TestCase):
                     continue
                 with self.subTest(mesh["file"]):
                     run = subprocess.run(
-                        [programs.chamferprep, self.folder / mesh["file"], "--radius", str(mesh["radius"]), "--dry-run", "--json"],
-                        capture_output=True, text=True, check=False)
+                        [programs.chamferprep, self.folder / mesh["file"], "--radius", str(mesh["radius"]), "--dry-run",
+                         "--json"], capture_output=True, text=True, check=False)
                     self.assertEqual(run.returncode, 0, run.stderr)
                     report = json.loads(run.stdout)
                     self.assertEqual(report["warnings"], [])

@@ -16,10 +16,13 @@ const MATERIALS = [
 
 const bump = (x, y, [cx, cy], width, height) => height * Math.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (2 * width * width));
 
+/** Heads of rock: [x, y], width, height. */
+const HEADS = [[[-8, 12], 3.2, 6.5], [[6, 21], 4.2, 7], [[12, 7], 2.4, 3.6], [[-3.5, 3.5], 1.8, 0.9]];
+
 /** The coast's shape: flat steps by the water, a few heads of rock, a cliff behind. */
 function ground(x, y) {
   const shore = 0.05 * (y + 4) + 0.35 * Math.sin(x * 0.23 + 0.7) * Math.sin(y * 0.19 - 0.4);
-  const heads = bump(x, y, [-8, 12], 3.2, 6.5) + bump(x, y, [6, 21], 4.2, 7) + bump(x, y, [12, 7], 2.4, 3.6) + bump(x, y, [-3.5, 3.5], 1.8, 0.9);
+  const heads = HEADS.reduce((sum, [at, width, height]) => sum + bump(x, y, at, width, height), 0);
   const cliff = 9 / (1 + Math.exp(-(y - 33 - 3 * Math.sin(x * 0.15)) / 1.6));
   return shore + heads + cliff;
 }

@@ -32,7 +32,7 @@ const CUTS = {
   'truncated-octahedron': withUnitInsphere(hull(orbit([0, 1, 2]))),
   cuboctahedron: withUnitInsphere(hull(orbit([1, 1, 0]))),
   rhombicuboctahedron: withUnitInsphere(hull(orbit([1, 1, 1 + Math.SQRT2]))),
-  'step-cut': hull([...ringAt(8, 0.62, -0.42, 0.5), ...ringAt(8, 0.8, -0.1, 0.5), ...ringAt(8, 0.8, 0.1, 0.5), ...ringAt(8, 0.52, 0.36, 0.5)]),
+  'step-cut': hull([[0.62, -0.42], [0.8, -0.1], [0.8, 0.1], [0.52, 0.36]].flatMap(([r, z]) => ringAt(8, r, z, 0.5))),
   'rose-cut': hull([...ringAt(6, 0.75, -0.35, 0), ...ringAt(6, 0.62, 0.02, 0.5), ...ringAt(6, 0.3, 0.26, 0), [0, 0, 0.35]]),
 };
 const FACE_DOWN = { 'step-cut': [0, 0, -1], 'rose-cut': [0, 0, -1] }; // others may rest on any face
@@ -60,11 +60,26 @@ const MATERIALS = [
 
 /** What lies where: [cut, material], row by row from the front. */
 const ROWS = [
-  [['cube', 'ivory'], ['rhombicuboctahedron', 'garnet'], ['dodecahedron', 'gold'], ['step-cut', 'pearl'], ['octahedron', 'lapis'], ['truncated-cube', 'jade']],
-  [['icosahedron', 'coral'], ['rose-cut', 'emerald'], ['truncated-octahedron', 'turquoise'], ['cube', 'copper'], ['step-cut', 'amethyst'], ['trapezohedron', 'amber']],
-  [['tetrahedron', 'silver'], ['dodecahedron', 'lapis'], ['cuboctahedron', 'onyx'], ['rose-cut', 'rose'], ['rhombicuboctahedron', 'ivory'], ['icosahedron', 'gold']],
-  [['truncated-cube', 'amber'], ['octahedron', 'jade'], ['cube', 'garnet'], ['trapezohedron', 'silver'], ['dodecahedron', 'coral'], ['truncated-octahedron', 'amethyst']],
-  [['step-cut', 'turquoise'], ['cuboctahedron', 'copper'], ['icosahedron', 'ivory'], ['rhombicuboctahedron', 'lapis'], ['truncated-cube', 'rose'], ['dodecahedron', 'onyx']],
+  [
+    ['cube', 'ivory'], ['rhombicuboctahedron', 'garnet'], ['dodecahedron', 'gold'],
+    ['step-cut', 'pearl'], ['octahedron', 'lapis'], ['truncated-cube', 'jade'],
+  ],
+  [
+    ['icosahedron', 'coral'], ['rose-cut', 'emerald'], ['truncated-octahedron', 'turquoise'],
+    ['cube', 'copper'], ['step-cut', 'amethyst'], ['trapezohedron', 'amber'],
+  ],
+  [
+    ['tetrahedron', 'silver'], ['dodecahedron', 'lapis'], ['cuboctahedron', 'onyx'],
+    ['rose-cut', 'rose'], ['rhombicuboctahedron', 'ivory'], ['icosahedron', 'gold'],
+  ],
+  [
+    ['truncated-cube', 'amber'], ['octahedron', 'jade'], ['cube', 'garnet'],
+    ['trapezohedron', 'silver'], ['dodecahedron', 'coral'], ['truncated-octahedron', 'amethyst'],
+  ],
+  [
+    ['step-cut', 'turquoise'], ['cuboctahedron', 'copper'], ['icosahedron', 'ivory'],
+    ['rhombicuboctahedron', 'lapis'], ['truncated-cube', 'rose'], ['dodecahedron', 'onyx'],
+  ],
 ];
 
 const INNER = 12.4; // a compartment's side

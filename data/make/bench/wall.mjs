@@ -1,5 +1,5 @@
-// A wall of 1,000,000 bricks: one brick of twelve triangles and a scene file of a few lines. A tile of 10 x 14 bricks in running
-// bond, a material for each, repeats along the wall and upwards. Lengths in brick lengths.
+// A wall of 1,000,000 bricks: one brick of twelve triangles and a scene file of a few lines. A tile of 10 x 10 bricks in
+// running bond, a material for each, repeats along the wall and upwards. Lengths in brick lengths.
 import { box } from '../geometry.mjs';
 import { plastic, round } from '../placing.mjs';
 import { randomFrom } from './random.mjs';

@@ -5,8 +5,11 @@ The job: {"scene", "edges": "sharp" | "bevel-node" | "bevel-modifier", "probes",
 "bounces", "threads", "picture", "result"}.
 
 What is mapped how:
-  material      Diffuse BSDF where ours is Lambert's, else Principled BSDF with GGX: base colour, metallic, roughness (GGX alpha is its square in both), specular so that
-                the reflectance at normal incidence is ours, transmission, IOR, emission; absorption as an absorbing volume
+  material      Diffuse BSDF where ours is Lambert's, else Principled BSDF with GGX: base colour, metallic, roughness (GGX alpha
+                is its square in both), specular so that the reflectance at normal incidence is ours, transmission, IOR,
+                emission; absorption as an absorbing volume.
+                In Blender 3.4 the coat adds to the base without taking from it, where ours conserves energy: under an
+                even sky a grey of 0.5 reflects 7 to 8 % more in Cycles, and pictures are brighter by as much
   area light    a two-sided emitting quad, as ours: radiance = emission
   directional   a sun: strength = irradiance, angle = angular diameter
   sky           the same three colours by nodes; left to scattered rays, as ours when its contrast is low
@@ -343,7 +346,8 @@ def main():
     long = builder.render(few + job["samples"])
     bpy.data.images["Render Result"].save_render(job["picture"])
     rate = job["width"] * job["height"] * job["samples"] / (long - short)
-    result = {"samples_per_second": rate, "seconds": long - short, "with_synchronisation": long, "blender": bpy.app.version_string}
+    result = {"samples_per_second": rate, "seconds": long - short, "with_synchronisation": long,
+              "blender": bpy.app.version_string}
     pathlib.Path(job["result"]).write_text(json.dumps(result))
 
 

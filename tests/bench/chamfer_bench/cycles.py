@@ -43,8 +43,9 @@ def run(context, blender, scenes, rounds, setting):
                     job = lambda: _theirs(program, context, scene, what, setting, picture)
                 result = context.log.get(f"cycles round {turn} {version} {scene} {what} {setting}", job)
                 measured.setdefault((scene, what), []).append(result)
-                context.say(f"round {turn + 1}/{rounds}  {scene:<11} {'chamferd' if what in ('none', 'analytic') else 'Cycles':<8} "
-                            f"{what:<14} {result['samples_per_second'] * 1e-6:8.3f} million samples/s")
+                who = "chamferd" if what in ("none", "analytic") else "Cycles"
+                context.say(f"round {turn + 1}/{rounds}  {scene:<11} {who:<8} {what:<14} "
+                            f" {result['samples_per_second'] * 1e-6:8.3f} million samples/s")
     rows = [_row(scene, ours, theirs, measured) for scene in scenes for ours, theirs in PAIRS]
     for scene in scenes:
         _side_by_side(context, scene, rows)
@@ -76,19 +77,29 @@ def _row(scene, ours, theirs, measured):
     pairs = list(zip(measured[scene, ours], measured[scene, theirs]))
     rate = lambda what: statistics.median(run["samples_per_second"] for run in measured[scene, what])
     ratios = [a["samples_per_second"] / b["samples_per_second"] for a, b in pairs]
-    return {"scene": scene, "ours": ours, "cycles": theirs, "ours_samples_per_second": rate(ours),
-            "cycles_samples_per_second": rate(theirs), "ratio": statistics.median(ratios), "ratio_range": [min(ratios), max(ratios)],
-            "ours_peak_bytes": measured[scene, ours][0]["peak_bytes"], "cycles_peak_bytes": measured[scene, theirs][0]["peak_bytes"]}
+    return {
+        "scene": scene,
+        "ours": ours,
+        "cycles": theirs,
+        "ours_samples_per_second": rate(ours),
+        "cycles_samples_per_second": rate(theirs),
+        "ratio": statistics.median(ratios),
+        "ratio_range": [min(ratios), max(ratios)],
+        "ours_peak_bytes": measured[scene, ours][0]["peak_bytes"],
+        "cycles_peak_bytes": measured[scene, theirs][0]["peak_bytes"],
+    }
 
 
 def _text(rows, version):
     lines = ["", f"chamferd and {version}'s Cycles, million samples per second; rendering alone",
-             f"{'scene':<12} {'chamferd':<10} {'M/s':>7}   {'Cycles':<15} {'M/s':>7}   {'ratio':>6} {'(range)':>13} {'brightness':>11}"]
+             f"{'scene':<12} {'chamferd':<10} {'M/s':>7}   {'Cycles':<15} {'M/s':>7}   {'ratio':>6} {'(range)':>13} "
+             f"{'brightness':>11}"]
     for r in rows:
         low, high = r["ratio_range"]
         light = f"{r['brightness_ratio']:.3f}" if "brightness_ratio" in r else "-"
         lines.append(f"{r['scene']:<12} {r['ours']:<10} {r['ours_samples_per_second'] * 1e-6:>7.3f}   {r['cycles']:<15} "
-                     f"{r['cycles_samples_per_second'] * 1e-6:>7.3f}   {r['ratio']:>6.2f} {f'({low:.2f}-{high:.2f})':>13} {light:>11}")
+                     f"{r['cycles_samples_per_second'] * 1e-6:>7.3f}   {r['ratio']:>6.2f} "
+                     f"{f'({low:.2f}-{high:.2f})':>13} {light:>11}")
     lines.append("brightness: mean of Cycles' linear picture over ours")
     return "\n".join(lines)
 
@@ -116,7 +127,8 @@ def _side_by_side(context, scene, rows):
     folder = context.output / "pictures"
     for row in rows:
         if row["scene"] == scene:
-            row["brightness_ratio"] = _mean(folder / f"{scene}-{row['cycles']}.exr") / _mean(folder / f"{scene}-{row['ours']}.exr")
+            theirs, ours = (_mean(folder / f"{scene}-{row[who]}.exr") for who in ("cycles", "ours"))
+            row["brightness_ratio"] = theirs / ours
     for name, parts in (("sharp", ["none", "sharp"]), ("rounded", ["analytic", "bevel-node", "bevel-modifier"])):
         target = context.output / f"{scene}-{name}.png"
         pictures = [word for part in parts for word in (folder / f"{scene}-{part}.exr", "--ch", "R,G,B")]

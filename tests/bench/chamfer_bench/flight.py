@@ -29,8 +29,10 @@ def run(context, scene, roundings, steps, rounds, far, near, setting):
             for rounding in ["none", *roundings]:
                 if rounding in refused:
                     continue
-                command = arguments(context.chamferd, path, rounding, setting, context.picture(f"flight-{step}", rounding), camera)
-                result = context.log.get(f"flight round {turn} {scene} {factor:.6g} {rounding} {setting}", lambda: measure(command))
+                picture = context.picture(f"flight-{step}", rounding)
+                command = arguments(context.chamferd, path, rounding, setting, picture, camera)
+                what = f"flight round {turn} {scene} {factor:.6g} {rounding} {setting}"
+                result = context.log.get(what, lambda: measure(command))
                 if "refused" in result:
                     refused[rounding] = result["refused"]
                     context.say(f"{rounding} is left out: {result['refused']}")
@@ -43,10 +45,12 @@ def run(context, scene, roundings, steps, rounds, far, near, setting):
         none = measured[step, "none"]
         point = {"distance": factor, "camera": camera, "seconds_none": statistics.median(r["seconds"] for r in none)}
         point["rounded_share"] = measured[step, "analytic"][0]["rounded_share"]
-        point["time_ratio"] = {rounding: statistics.median(a["seconds"] / b["seconds"] for a, b in zip(measured[step, rounding], none))
-                               for rounding in roundings}
+        point["time_ratio"] = {
+            rounding: statistics.median(a["seconds"] / b["seconds"] for a, b in zip(measured[step, rounding], none))
+            for rounding in roundings}
         points.append(point)
-    slopes = {rounding: _slope([(p["rounded_share"], p["time_ratio"][rounding] - 1) for p in points]) for rounding in roundings}
+    slopes = {rounding: _slope([(p["rounded_share"], p["time_ratio"][rounding] - 1) for p in points])
+              for rounding in roundings}
     print(_text(scene, points, roundings, slopes))
     result = {"what": "flight", "scene": scene, "machine": describe(), "setting": dataclasses.asdict(setting), "points": points,
               "cost_per_share": slopes}

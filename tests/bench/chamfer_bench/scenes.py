@@ -1,7 +1,7 @@
 """The benchmark's scenes on disk: generated, rounded by chamferprep, each with a sharp twin.
 
-The twin says "rounding": false of every mesh. Rendering the original with rounding=none would give the same pixels, but would load
-the rounding all the same, and what the rounding costs in memory would not show."""
+The twin says "rounding": false of every mesh. Rendering the original with rounding=none would give the same pixels, but
+would load the rounding all the same, and what the rounding costs in memory would not show."""
 import hashlib
 import json
 import pathlib
@@ -43,7 +43,8 @@ def make(folder, names, chamferprep, node):
 
 def _generate(folder, node):
     """Runs the generator unless it has run here and has not changed since."""
-    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sorted((SOURCE / "data").rglob("*.mjs")))).hexdigest()
+    sources = sorted((SOURCE / "data").rglob("*.mjs"))
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
     stamp = folder / "generator.sha256"
     if stamp.exists() and stamp.read_text() == digest:
         return

@@ -25,8 +25,10 @@ def run(context, scenes, roundings, rounds, setting, deadline):
             for rounding in order:
                 if rounding in refused:
                     continue
-                command = arguments(context.chamferd, context.scene(scene), rounding, setting, context.picture(scene, rounding))
-                result = context.log.get(f"table round {turn} {scene} {rounding} {setting}", lambda: measure(command))
+                picture = context.picture(scene, rounding)
+                command = arguments(context.chamferd, context.scene(scene), rounding, setting, picture)
+                what = f"table round {turn} {scene} {rounding} {setting}"
+                result = context.log.get(what, lambda: measure(command))
                 if "refused" in result:
                     refused[rounding] = result["refused"]
                     context.say(f"{rounding} is left out: {result['refused']}")
@@ -42,7 +44,8 @@ def run(context, scenes, roundings, rounds, setting, deadline):
             break
     rows = [_row(scene, rounding, measured) for scene in scenes for rounding in roundings if (scene, rounding) in measured]
     print(_text(rows))
-    result = {"what": "Table 1", "machine": describe(), "setting": dataclasses.asdict(setting), "refused": refused, "rows": rows}
+    result = {"what": "Table 1", "machine": describe(), "setting": dataclasses.asdict(setting), "refused": refused,
+              "rows": rows}
     context.write("table.json", json.dumps(result, indent=2) + "\n")
     plots.table(context.output / "table.svg", rows)
     return rows
@@ -59,18 +62,23 @@ def _row(scene, rounding, measured):
         "triangles": runs[0]["triangles"],
         "seconds": statistics.median(run["seconds"] for run in runs),
         "seconds_all": [run["seconds"] for run in runs],
+        "load_seconds": statistics.median(run["load_seconds"] for run in runs),
         "time_ratio": statistics.median(ratios),
         "time_ratio_range": [min(ratios), max(ratios)],
-        "peak_bytes": statistics.median(run["peak_bytes"] for run in runs),
-        "memory_ratio": statistics.median(run["peak_bytes"] for run in runs) / statistics.median(run["peak_bytes"] for run in none),
+        "peak_bytes": _peak(runs),
+        "memory_ratio": _peak(runs) / _peak(none),
         "rounded_share": runs[0]["rounded_share"],
         "samples_per_second": statistics.median(run["samples"] / run["seconds"] for run in runs),
         "load_average": max(run["load_average"] for run in runs),
     }
 
 
+def _peak(runs):
+    return statistics.median(run["peak_bytes"] for run in runs)
+
+
 def _text(rows):
-    lines = ["", f"{'scene':<22} {'rounding':<9} {'triangles':>10} {'time s':>9} {'ratio':>7} {'(range)':>15} "
+    lines = ["", f"{'scene':<22} {'rounding':<9} {'triangles':>10} {'load s':>7} {'time s':>9} {'ratio':>7} {'(range)':>15} "
                  f"{'memory MiB':>11} {'ratio':>7} {'rounded rays':>13}"]
     for i, r in enumerate(rows):
         name = ""
@@ -78,7 +86,9 @@ def _text(rows):
             name = r["scene"] + (f" ({r['stands_for']})" if r["stands_for"] else "")
         low, high = r["time_ratio_range"]
         share = f"{100 * r['rounded_share']:.2f} %" if r["rounding"] == "analytic" else "-"
-        lines.append(f"{name:<22} {r['rounding']:<9} {r['triangles']:>10,} {r['seconds']:>9.2f} {r['time_ratio']:>7.3f} "
-                     f"{f'({low:.3f}-{high:.3f})':>15} {r['peak_bytes'] / 2**20:>11.1f} {r['memory_ratio']:>7.3f} {share:>13}")
-    lines.append("time: rendering alone, median; ratio to none: median of the rounds' own ratios; rounded rays: of camera and bounce rays")
+        lines.append(f"{name:<22} {r['rounding']:<9} {r['triangles']:>10,} {r['load_seconds']:>7.2f} {r['seconds']:>9.2f} "
+                     f"{r['time_ratio']:>7.3f} {f'({low:.3f}-{high:.3f})':>15} {r['peak_bytes'] / 2**20:>11.1f} "
+                     f"{r['memory_ratio']:>7.3f} {share:>13}")
+    lines.append("time: rendering alone (load: reading and rounding), medians; ratio to none: median of the rounds' own "
+                 "ratios; rounded rays: of camera and bounce rays")
     return "\n".join(lines)
