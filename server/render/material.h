@@ -30,6 +30,9 @@ struct Material {
   std::string name;
 
   bool emits() const { return !emission.isBlack(); }
+  bool hasTexture() const {
+    return baseColorTexture != kNoTexture || roughnessTexture != kNoTexture || normalTexture != kNoTexture;
+  }
 };
 
 } // namespace chamfer

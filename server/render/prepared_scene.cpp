@@ -57,16 +57,21 @@ std::vector<MeshForm> chooseForms(const Scene& scene, const RoundingChoice& choi
   if (choice.mode == RoundingMode::Mesh) checkSegments(roundings, choice.count);
   // Meshes of one file and radius share what is made of them.
   using Key = std::pair<const TriangleMesh*, const Rounding*>;
-  std::map<Key, std::shared_ptr<const RoundedMesh>> made;
+  std::map<Key, MeshForm> made;
   for (std::size_t i = 0; i < forms.size(); ++i) {
     if (!roundings[i]) continue;
-    if (choice.mode == RoundingMode::Analytic) forms[i].analytic = roundings[i];
-    if (choice.mode == RoundingMode::Bevel) forms[i].bevelled = roundings[i];
-    if (choice.mode != RoundingMode::Mesh) continue;
     const auto& mesh = scene.meshes[i].mesh;
-    auto& rounded = made[{mesh.get(), roundings[i].get()}];
-    if (!rounded) rounded = std::make_shared<RoundedMesh>(mesh, roundings[i], choice.count);
-    forms[i].explicitly = rounded;
+    const auto [entry, added] = made.try_emplace({mesh.get(), roundings[i].get()});
+    MeshForm& form = entry->second;
+    if (added) {
+      form.mode = choice.mode;
+      form.rounding = roundings[i];
+      if (choice.mode == RoundingMode::Mesh)
+        form.explicitMesh = std::make_shared<RoundedMesh>(*mesh, roundings[i]->view(), choice.count);
+      if (choice.mode != RoundingMode::Bevel && OriginalSurface::matters(*mesh))
+        form.original = std::make_shared<OriginalSurface>(mesh, roundings[i]);
+    }
+    forms[i] = form;
   }
   return forms;
 }

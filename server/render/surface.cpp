@@ -16,15 +16,15 @@ const MeshForm* Surfaces::form(std::uint32_t instance) const {
 const TriangleMesh& Surfaces::tracedMesh(std::uint32_t mesh) const {
   const std::size_t own = forms_.size();
   if (mesh >= own) return *scene_->data->extraMeshes[mesh - own].mesh;
-  return forms_[mesh].explicitly ? forms_[mesh].explicitly->mesh() : *scene_->meshes[mesh].mesh;
+  return forms_[mesh].explicitMesh ? forms_[mesh].explicitMesh->mesh() : *scene_->meshes[mesh].mesh;
 }
 
 std::vector<TracedInstance> Surfaces::ownInstances() const {
   std::vector<TracedInstance> own = scene_->instances;
   for (std::uint32_t i = 0; i < own.size(); ++i) {
     const MeshForm& f = *form(i);
-    own[i].rounding = f.analytic;
-    if (f.explicitly) own[i].mesh = f.explicitly->traced();
+    own[i].rounding = f.mode == RoundingMode::Analytic ? f.rounding : nullptr;
+    if (f.explicitMesh) own[i].mesh = f.explicitMesh->traced();
   }
   return own;
 }
@@ -39,22 +39,43 @@ const Material& Surfaces::material(const InstanceSource& source, std::uint32_t o
 const Material* Surfaces::materialOfAll(std::uint32_t instance, std::uint32_t triangle) const {
   const InstanceSource& s = source(instance);
   const MeshForm* f = form(instance);
-  if (f && f->explicitly && s.material == kNone) triangle = f->explicitly->originalOfAll(triangle);
-  return triangle == kNone ? nullptr : &material(s, triangle);
+  if (!f || !f->explicitMesh) return &material(s, triangle);
+  const std::uint32_t from = f->explicitMesh->source(triangle),
+                      facet = f->rounding->view().facetOfTriangle[from];
+  if (s.material == kNone && f->original && facet != kNone) {
+    const bool flat = f->explicitMesh->feature(triangle) == Feature::Flat;
+    if (flat ? f->original->severalMaterialsOnFacet(facet)
+             : f->original->severalMaterialsOnSolid(f->rounding->view().facets[facet].solid))
+      return nullptr;
+  }
+  return &material(s, from);
+}
+
+MeshPlace Surfaces::originalPlace(const MeshForm& f, const TraceHit& hit, Feature feature) const {
+  const RoundingView& view = f.rounding->view();
+  const std::uint32_t source = f.explicitMesh ? f.explicitMesh->source(hit.triangle) : hit.triangle;
+  const std::uint32_t facet = view.facetOfTriangle[source];
+  if (facet == kNone) return {source, hit.u, hit.v};
+  const Transform objectFromWorld = scene_->instances[hit.instance].worldFromObject.inverse();
+  if (f.explicitMesh && feature == Feature::Flat)
+    return f.original->placeOnFacet(facet, objectFromWorld(hit.position));
+  const Vector3 normal = f.explicitMesh ? f.explicitMesh->normal({hit.triangle, hit.u, hit.v})
+                                        : normalize(Vector3(objectFromWorld(Normal3(hit.normal))));
+  // A path inside the solid may have met the triangle that it left, and sees the far side all the same.
+  constexpr double kSameNormal = 1 - 1e-9;
+  if (feature == Feature::Flat && dot(normal, Vector3(view.facets[facet].normal)) > kSameNormal)
+    return {source, hit.u, hit.v};
+  return f.original->placeOfRounding(view.facets[facet].solid, objectFromWorld(hit.position), normal);
 }
 
 SurfacePlace Surfaces::place(const TraceHit& hit) const {
-  const MeshPlace met{hit.triangle, hit.u, hit.v};
   const MeshForm* f = form(hit.instance);
-  SurfacePlace p;
-  if (f && f->explicitly) {
-    p.original = f->explicitly->original(met);
-    p.feature = f->explicitly->feature(hit.triangle);
-  } else {
-    p.original = met;
-    p.feature = hit.feature;
-  }
-  p.material = &material(source(hit.instance), p.original.triangle);
+  const InstanceSource& s = source(hit.instance);
+  SurfacePlace p{{hit.triangle, hit.u, hit.v}, hit.feature, nullptr};
+  if (f && f->explicitMesh) p.feature = f->explicitMesh->feature(hit.triangle);
+  const bool depends = s.material == kNone || scene_->data->materials[s.material].hasTexture();
+  if (f && f->original && depends) p.original = originalPlace(*f, hit, p.feature);
+  p.material = &material(s, p.original.triangle);
   return p;
 }
 
@@ -63,16 +84,16 @@ ShadingNormal Surfaces::shadingNormal(const TraceHit& hit, const SurfacePlace& p
   ShadingNormal n{hit.normal, hit.normal};
   const MeshForm* f = form(hit.instance);
   if (!f) return n;
-  if (f->explicitly) {
+  if (f->explicitMesh) {
     const Transform& world = scene_->instances[hit.instance].worldFromObject;
-    n.smooth = normalize(Vector3(world(Normal3(f->explicitly->normal({hit.triangle, hit.u, hit.v})))));
+    n.smooth = normalize(Vector3(world(Normal3(f->explicitMesh->normal({hit.triangle, hit.u, hit.v})))));
     n.normal = n.smooth;
-  } else if (f->bevelled) {
+  } else if (f->mode == RoundingMode::Bevel) {
     const TracedInstance& instance = scene_->instances[hit.instance];
     const Transform objectFromWorld = instance.worldFromObject.inverse();
     const Vector3 flat = normalize(Vector3(objectFromWorld(Normal3(hit.normal))));
     const Vector3 bent = bevelNormal(
-        {*instance.mesh, tracedMesh(source(hit.instance).mesh), f->bevelled->view()}, hit.triangle,
+        {*instance.mesh, tracedMesh(source(hit.instance).mesh), f->rounding->view()}, hit.triangle,
         objectFromWorld(hit.position), flat, probes_, sampler, kFirstBevelPair + bounce * kMostBevelProbes);
     if (!(bent == flat)) n.normal = normalize(Vector3(instance.worldFromObject(Normal3(bent))));
   }
@@ -122,7 +143,8 @@ Vector3 Surfaces::textureNormal(const TraceHit& hit, const SurfacePlace& place, 
 std::size_t Surfaces::memoryBytes() const {
   std::size_t bytes = 0;
   for (const MeshForm& f : forms_)
-    if (f.explicitly) bytes += f.explicitly->memoryBytes();
+    bytes +=
+        (f.explicitMesh ? f.explicitMesh->memoryBytes() : 0) + (f.original ? f.original->memoryBytes() : 0);
   return bytes;
 }
 

@@ -13,9 +13,11 @@ namespace chamfer {
 
 /// A mesh of the scene as the chosen rounding has it traced.
 struct MeshForm {
-  std::shared_ptr<const Rounding> analytic;      ///< null: not traced with its exact rounding
-  std::shared_ptr<const RoundedMesh> explicitly; ///< null: the mesh itself is traced
-  std::shared_ptr<const Rounding> bevelled;      ///< null: no bevel shader
+  RoundingMode mode = RoundingMode::None;
+  std::shared_ptr<const Rounding> rounding;        ///< null: it stays sharp, and the mode is None
+  std::shared_ptr<const RoundedMesh> explicitMesh; ///< of the mode Mesh: traced in the mesh's place
+  /// Of a rounded form, exact or explicit, where material or texture depend on the place; else null.
+  std::shared_ptr<const OriginalSurface> original;
 };
 
 /// A hit's place on the original mesh, with the original surface's material.
@@ -62,6 +64,7 @@ private:
   }
   /// Null for a studio's own objects.
   const MeshForm* form(std::uint32_t instance) const;
+  MeshPlace originalPlace(const MeshForm& form, const TraceHit& hit, Feature feature) const;
   const Material& material(const InstanceSource& source, std::uint32_t originalTriangle) const;
   bool textureCoordinates(const TraceHit& hit, const SurfacePlace& place, Float2& uv) const;
   Vector3 textureNormal(const TraceHit& hit, const SurfacePlace& place, const Vector3& normal) const;

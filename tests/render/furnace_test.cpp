@@ -1,5 +1,6 @@
 // Light whose amount is known exactly: furnaces, closed boxes, direct light in closed form.
 #include "server/render/camera.h"
+#include "server/render/image_io.h"
 #include "server/render/prepared_scene.h"
 #include "tests/render/direction_chi_squared.h"
 #include "tests/render/scene_files_fixture.h"
@@ -126,6 +127,47 @@ TEST(Furnace, ClearGlassVanishesAndRoughGlassAndMetalNeverShine) {
       EXPECT_GE(e.mean, 0.75) << m << radius << " " << e.text();
     }
   }
+}
+
+TEST(Furnace, ShadingNormalsNeverShine) {
+  // Coarse meshes, bevels and normal textures turn the frame that light scatters in; what they cut off may be
+  // lost, and none may be made.
+  const TemporaryFolder folder;
+  std::string obj = test::cubeObj();
+  const std::string top = "f 5 6 8 7\n";
+  obj.replace(obj.find(top), top.size(), "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 5/1 6/2 8/3 7/4\n");
+  folder.write("mapped.obj", obj);
+  writeImage(folder.path() / "n.exr", {2, 1, {0.9f, 0.3f, 0.7f, 1, 0.2f, 0.8f, 0.65f, 1}});
+  View view;
+  view.camera = lookAt({1.4, -3, 1.1}, {0, 0, 0}, 15);
+  view.bounces = 64;
+  view.seeds = 6;
+  const auto measured = [&](const RoundingChoice& choice, const std::string& material) {
+    view.rounding = choice;
+    return measure(loadText(folder, furnace(material, R"(,"radius":0.2)")), view);
+  };
+  for (const char* m :
+       {R"("base_color":1,"specular":0)", R"("base_color":1,"metallic":1,"roughness":0.2)",
+        R"("base_color":1,"metallic":1,"roughness":0)", R"("base_color":1,"transmission":1,"roughness":0)"})
+    for (const RoundingChoice& choice :
+         {RoundingChoice{RoundingMode::Mesh, 1, {}}, RoundingChoice{RoundingMode::Mesh, 64, {}},
+          RoundingChoice{RoundingMode::Bevel, 4, {}}}) {
+      const Estimate e = measured(choice, m);
+      EXPECT_LE(e.mean, 1 + 4.5 * e.error + 1e-4) << m << e.text();
+      EXPECT_GE(e.mean, 0.8) << m << e.text();
+      if (choice.mode == RoundingMode::Mesh && choice.count == 64) {
+        EXPECT_NEAR(e.mean, 1, 0.02) << m << e.text();
+      }
+    }
+  const auto mapped = loadText(folder, R"({"meshes":[{"name":"cube","file":"mapped.obj","rounding":false}],
+    "materials":[{"name":"m","base_color":1,"specular":0,"normal_texture":"n.exr"}],
+    "instances":[{"mesh":"cube","material":"m"}],"lights":[{"type":"environment","color":[1,1,1]}]})");
+  view.rounding = {};
+  view.camera = lookAt({1, -1, 3}, {0.1, -0.1, 0.5}, 5); // at the mapped face
+  const Estimate e = measure(mapped, view);
+  EXPECT_LE(e.mean, 1 + 4.5 * e.error + 1e-4) << e.text();
+  EXPECT_GE(e.mean, 0.6) << e.text();
+  EXPECT_LT(e.mean, 0.99) << "the texture must have turned something: " << e.text();
 }
 
 TEST(Furnace, ConcaveScenesVanishToo) { // inter-reflection between two white solids and a white floor
