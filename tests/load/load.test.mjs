@@ -1,7 +1,8 @@
 // One server under load, abuse and for long: each part ends with the server alive and a right tile.
-//   node tests/load/load.test.mjs --chamferd PATH --chamferprep PATH --data FOLDER [--quick] [--seed N] [--only WORD]
+//   node tests/load/load.test.mjs --chamferd PATH --chamferprep PATH --data FOLDER [--quick] [--seed N] [--only WORD] [--instrumented]
 // --quick takes about half a minute (./check runs it), without it minutes. Figures are printed as diagnostics, a line of
-// JSON a part. --only runs the parts whose name contains WORD.
+// JSON a part. --only runs the parts whose name contains WORD. --instrumented: the server keeps what it has freed, as
+// sanitizers do, and its memory says nothing.
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import { parseArgs } from 'node:util';
@@ -21,6 +22,7 @@ const { values: given } = parseArgs({
     quick: { type: 'boolean', default: false },
     seed: { type: 'string', default: '1' },
     only: { type: 'string', default: '' },
+    instrumented: { type: 'boolean', default: false },
   },
 });
 
