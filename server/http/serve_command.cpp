@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <thread>
 
@@ -120,6 +121,9 @@ void printAddress(const std::string& host, int port) {
 
 int runServeCommand(const ServeCommandOptions& options) {
   startLog(options.logLevel);
+  // Threads come by the dozen, and the C library would give most of them an arena, each of which keeps the
+  // most that it ever held: a third of the server's memory. As many as requests are rendered at one time do.
+  ::mallopt(M_ARENA_MAX, static_cast<int>(options.slots));
   const StopSignals signals;
   raiseDescriptorLimit();
 

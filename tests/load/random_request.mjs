@@ -1,6 +1,6 @@
 // Valid requests of every kind that a scene takes, at random: cameras, radii, roundings, formats, sample ranges, AOVs,
 // frames and batches of rays. The work of each is small, so that many fit into a minute.
-const MODES = ['analytic', 'analytic', 'analytic', 'none'];
+const MODES = ['analytic', 'analytic', 'analytic', 'analytic', 'none', 'mesh:1', 'mesh:3', 'bevel:4'];
 const AOVS = ['beauty', 'beauty', 'beauty', 'albedo', 'normal', 'depth', 'feature'];
 
 /** `scene`: an element of /v1/scenes. Returns method, path, headers and body for ask(). */
