@@ -34,7 +34,8 @@ struct TriangleMesh {
       uvTriangles;                               ///< into uvs, kNone where a corner has none; empty: none
   std::vector<std::uint32_t> materialOfTriangle; ///< into materials, kNone: none; empty: none
   std::vector<MeshMaterial> materials;
-  std::vector<std::string> warnings; ///< what was read past, for the report
+  std::vector<std::filesystem::path> materialFiles; ///< libraries that were looked for, there or not
+  std::vector<std::string> warnings;                ///< what was read past, for the report
   bool soup = false; ///< the format has no shared vertices (STL): connectivity must come from positions
 };
 

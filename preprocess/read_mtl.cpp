@@ -91,14 +91,21 @@ void addLibrary(const std::string& name, const std::filesystem::path& file, Mate
   }
 }
 
-/// Where a library of this name lies; empty when it would be outside of `folder` or is no file.
-std::filesystem::path locate(std::string name, const std::filesystem::path& folder) {
+/// Where a library of this name would lie; empty when that is outside of `folder`.
+std::filesystem::path placeOf(std::string name, const std::filesystem::path& folder) {
   std::replace(name.begin(), name.end(), '\\', '/');
   const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
   if (relative.empty() || relative.is_absolute() || *relative.begin() == "..") return {};
+  return folder / relative;
+}
+
+/// Is it a regular file, in `folder` even if links are followed?
+bool readable(const std::filesystem::path& file, const std::filesystem::path& folder) {
   std::error_code error;
-  const std::filesystem::path file = folder / relative;
-  return std::filesystem::is_regular_file(file, error) ? file : std::filesystem::path();
+  if (file.empty() || !std::filesystem::is_regular_file(file, error)) return false;
+  const auto top = std::filesystem::canonical(folder.empty() ? "." : folder, error);
+  const auto real = error ? std::filesystem::path() : std::filesystem::canonical(file, error);
+  return !error && std::mismatch(top.begin(), top.end(), real.begin(), real.end()).first == top.end();
 }
 
 } // namespace
@@ -106,15 +113,16 @@ std::filesystem::path locate(std::string name, const std::filesystem::path& fold
 void readMaterialLibraries(const std::string& line, const std::filesystem::path& folder,
                            MaterialTable& table) {
   std::vector<std::string> names{line};
-  if (locate(line, folder).empty()) {
+  if (!readable(placeOf(line, folder), folder)) {
     std::vector<std::string_view> tokens;
     splitTokens(line, tokens);
     names.assign(tokens.begin(), tokens.end());
   }
   for (const std::string& name : names) {
-    const std::filesystem::path file = locate(name, folder);
+    const std::filesystem::path file = placeOf(name, folder);
+    if (!file.empty()) table.files.push_back(file);
     try {
-      if (file.empty())
+      if (!readable(file, folder))
         table.warnings.push_back("material library " + inQuotes(name) + " is not there; none is used");
       else
         addLibrary(name, file, table);

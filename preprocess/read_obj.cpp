@@ -107,6 +107,7 @@ TriangleMesh readObj(std::string text, const std::filesystem::path& path) {
   TriangleMesh mesh = Assembler(std::move(scan), table, name).run(std::move(text));
   checkSize(mesh, {name});
   mesh.materials = std::move(table.materials);
+  mesh.materialFiles = std::move(table.files);
   mesh.warnings.insert(mesh.warnings.end(), warnings.begin(), warnings.end());
   mesh.warnings.insert(mesh.warnings.end(), table.warnings.begin(), table.warnings.end());
   return mesh;

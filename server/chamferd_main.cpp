@@ -53,6 +53,9 @@ CLI::App* addServe(CLI::App& app, ServeCommandOptions& options) {
   serve->add_option("--cache-megabytes", options.cacheMegabytes, "Memory for scenes prepared with a rounding")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
+  serve->add_option("--scene-megabytes", options.sceneMegabytes, "Memory for all scenes together, as loaded")
+      ->check(CLI::Range(1, 1 << 24))
+      ->capture_default_str();
   serve->add_option("--deadline", options.deadlineSeconds, "Seconds after which a request is given up (504)")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();

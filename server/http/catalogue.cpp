@@ -37,8 +37,8 @@ const char* sceneStateWord(SceneState state) {
   return "";
 }
 
-Catalogue::Catalogue(const fs::path& root, std::chrono::milliseconds rescan)
-    : root_(canonicalFolder(root)), rescan_(rescan) {}
+Catalogue::Catalogue(const fs::path& root, std::chrono::milliseconds rescan, std::size_t memory)
+    : root_(canonicalFolder(root)), rescan_(rescan), memory_(memory) {}
 
 Catalogue::~Catalogue() {
   {
@@ -96,13 +96,13 @@ void Catalogue::pass() {
 
   for (const FoundScene& found : scan.scenes) {
     if (stopping_) return;
-    if (const Entry before = find(found.name); before && current(found, *before, scan.files)) continue;
-    // Stamps of before the read: a change during it is seen by the next pass.
-    const std::vector<Stamp> own = stampsOf(found, nullptr);
-    const Entry entry = load(found);
-    std::vector<Stamp> stamps = stampsOf(found, entry->scene.get());
-    std::copy(own.begin(), own.end(), stamps.begin());
-    sources_[found.name] = {std::move(stamps), scan.files};
+    const Entry before = find(found.name);
+    if (before && current(found, *before, scan.files)) continue;
+    const timespec begin = fileClock();
+    const Entry entry = load(found, before);
+    std::vector<fs::path> files{found.file};
+    if (entry->scene) files = entry->scene->files;
+    sources_[found.name] = {found.file, stampsOf(files, begin), scan.files};
     const std::lock_guard lock(mutex_);
     std::erase_if(byId_, [&](const auto& item) { return item.second->name == found.name; });
     byName_[found.name] = entry;
@@ -112,19 +112,21 @@ void Catalogue::pass() {
 
 bool Catalogue::current(const FoundScene& found, const CatalogueEntry& entry, const Digest& files) const {
   const auto sources = sources_.find(found.name);
-  if (sources == sources_.end()) return false;
-  if (sources->second.stamps != stampsOf(found, entry.scene.get())) return false;
+  if (sources == sources_.end() || sources->second.file != found.file) return false;
+  if (entry.state == SceneState::Ready && entry.outdated.empty()) return unchanged(sources->second.stamps);
   // What a scene that could not be loaded names besides is not known: any file may be the one that was
   // mended.
-  return entry.state == SceneState::Ready || sources->second.files == files;
+  return sources->second.files == files && unchanged(sources->second.stamps);
 }
 
-Catalogue::Entry Catalogue::load(const FoundScene& found) const {
+Catalogue::Entry Catalogue::load(const FoundScene& found, const Entry& before) const {
   const auto begin = std::chrono::steady_clock::now();
   auto entry = std::make_shared<CatalogueEntry>();
   entry->name = found.name;
   try {
     entry->scene = loadScene(found.file, root_, found.name);
+    entry->bytes = memoryBytes(*entry->scene);
+    checkMemory(*entry);
     entry->state = SceneState::Ready;
   } catch (const Error& error) {
     entry->fault = error.kind();
@@ -132,39 +134,47 @@ Catalogue::Entry Catalogue::load(const FoundScene& found) const {
                    : error.kind() == ErrorKind::DamagedSidecar ? SceneState::Damaged
                                                                : SceneState::Failed;
     entry->error = withoutRoot(error.what(), root_.string());
+  } catch (const std::bad_alloc&) {
+    entry->fault = ErrorKind::PayloadTooLarge;
+    entry->state = SceneState::Failed;
+    entry->error = "there is not memory enough to load it";
   } catch (const std::exception& error) { // a library's: its text is for the log only
     entry->state = SceneState::Failed;
     entry->error = "it could not be loaded; the server's log has more";
     logMessage(LogLevel::Error, "scene " + found.name + ": " + error.what());
   }
   entry->loadSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (entry->state == SceneState::Ready)
+  if (entry->state == SceneState::Ready) {
     logMessage(LogLevel::Info, "scene " + found.name +
                                    " is ready: " + std::to_string(entry->scene->triangles) + " triangles, " +
                                    std::to_string(entry->scene->roundedEdges) + " rounded edges");
-  else
-    logMessage(LogLevel::Warning,
-               "scene " + found.name + " is " + sceneStateWord(entry->state) + ": " + entry->error);
+    return entry;
+  }
+  if (before && before->state == SceneState::Ready) {
+    auto kept = std::make_shared<CatalogueEntry>(*before);
+    kept->outdated = "its files have changed and cannot be loaded as they are now, the scene is served as it "
+                     "was before: " +
+                     entry->error;
+    logMessage(LogLevel::Warning, "scene " + found.name + ": " + kept->outdated);
+    return kept;
+  }
+  entry->scene.reset();
+  entry->bytes = 0;
+  logMessage(LogLevel::Warning,
+             "scene " + found.name + " is " + sceneStateWord(entry->state) + ": " + entry->error);
   return entry;
 }
 
-Catalogue::Stamp Catalogue::stampOf(const fs::path& file) {
-  Stamp stamp{file};
-  std::error_code error;
-  stamp.time = fs::last_write_time(file, error);
-  stamp.size = fs::file_size(file, error);
-  return stamp;
-}
-
-std::vector<Catalogue::Stamp> Catalogue::stampsOf(const FoundScene& found, const Scene* scene) {
-  const auto sidecar = [](const fs::path& mesh) { return fs::path(mesh.string() + ".chamfer"); };
-  std::vector<Stamp> stamps{stampOf(found.file), stampOf(sidecar(found.file))};
-  if (scene)
-    for (const SceneMesh& mesh : scene->meshes) {
-      stamps.push_back(stampOf(mesh.file));
-      stamps.push_back(stampOf(sidecar(mesh.file)));
-    }
-  return stamps;
+void Catalogue::checkMemory(const CatalogueEntry& entry) const {
+  std::size_t others = 0;
+  for (const Entry& other : list())
+    if (other->name != entry.name) others += other->bytes;
+  const auto megabytes = [](std::size_t bytes) { return std::to_string((bytes >> 20) + 1) + " MB"; };
+  if (entry.bytes > memory_ || others > memory_ - entry.bytes)
+    throw Error(ErrorKind::PayloadTooLarge,
+                "it takes " + megabytes(entry.bytes) + " of memory, beside " + megabytes(others) +
+                    " of other scenes, and all together may " + "take " + megabytes(memory_) +
+                    "; raise --scene-megabytes or serve less in one process");
 }
 
 std::vector<Catalogue::Entry> Catalogue::list() const {

@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "server/http/catalogue_scan.h"
+#include "server/http/file_stamp.h"
 #include "server/render/scene.h"
 
 #include <atomic>
@@ -30,13 +31,19 @@ struct CatalogueEntry {
   std::string error;                     ///< the same for people; paths below the root only
   std::shared_ptr<const Scene> scene;    ///< Ready only
   double loadSeconds = 0;
+  std::size_t bytes = 0; ///< memory of the scene
+  /// Ready only: the files have changed since and cannot be loaded as they are now, for this reason; empty:
+  /// they have not. A file that is half written when it is looked at does no harm in this way.
+  std::string outdated;
 };
 
 class Catalogue {
 public:
   /// Throws Error(NotFound) when `root` is not a folder. `rescan`: how often files are looked at again; 0:
-  /// never.
-  Catalogue(const std::filesystem::path& root, std::chrono::milliseconds rescan);
+  /// never. `memory`: bytes that all scenes together may take; one that does not fit is not ready, and says
+  /// so.
+  Catalogue(const std::filesystem::path& root, std::chrono::milliseconds rescan,
+            std::size_t memory = SIZE_MAX);
   ~Catalogue();
   Catalogue(const Catalogue&) = delete;
   Catalogue& operator=(const Catalogue&) = delete;
@@ -51,32 +58,27 @@ public:
   std::shared_ptr<const CatalogueEntry> find(const std::string& nameOrId) const;
   /// What the last scan passed over.
   std::vector<std::string> warnings() const;
+  std::size_t memoryLimit() const { return memory_; }
   /// The served folder, canonical.
   const std::filesystem::path& root() const { return root_; }
 
 private:
   using Entry = std::shared_ptr<const CatalogueEntry>;
-  /// What a file looked like when it was read.
-  struct Stamp {
-    std::filesystem::path file;
-    std::filesystem::file_time_type time{};
-    std::uintmax_t size = 0;
-    bool operator==(const Stamp&) const = default;
-  };
   /// What an entry was loaded from.
   struct Sources {
-    std::vector<Stamp> stamps;
+    std::filesystem::path file; ///< the scene's own
+    std::vector<FileStamp> stamps;
     Digest files; ///< of everything below the root then
   };
   void run();
   void pass();
   bool current(const FoundScene& found, const CatalogueEntry& entry, const Digest& files) const;
-  Entry load(const FoundScene& found) const;
-  static Stamp stampOf(const std::filesystem::path& file);
-  static std::vector<Stamp> stampsOf(const FoundScene& found, const Scene* scene);
+  Entry load(const FoundScene& found, const Entry& before) const;
+  void checkMemory(const CatalogueEntry& entry) const;
 
   const std::filesystem::path root_;
   const std::chrono::milliseconds rescan_;
+  const std::size_t memory_;
   std::atomic<bool> loaded_ = false, stopping_ = false;
   mutable std::mutex mutex_;
   std::condition_variable wake_;

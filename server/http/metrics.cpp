@@ -91,6 +91,10 @@ void readServer(const MetricsNow& now, Readings& out) {
   out.begin("chamfer_scenes", "Scenes of the catalogue by state");
   for (std::size_t i = 0; i < now.scenes.size(); ++i)
     out.put(static_cast<double>(now.scenes[i]), {{"state", sceneStateWord(static_cast<SceneState>(i))}});
+  out.gauge("chamfer_scenes_outdated", "Ready scenes whose files have changed and cannot be loaded now",
+            now.outdatedScenes);
+  out.gauge("chamfer_scene_bytes", "Memory of all scenes as loaded", now.sceneBytes);
+  out.gauge("chamfer_scene_limit_bytes", "Limit of that memory", now.sceneLimit);
   out.gauge("chamfer_connections_open", "Open connections", now.connections.open);
   out.gauge("chamfer_connections_busy", "Of these, with a request being handled or an answer being written",
             now.connections.busy);

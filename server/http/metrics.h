@@ -30,6 +30,7 @@ struct MetricsNow {
   RenderQueue::State queue{};
   PreparedCache::State cache{};
   std::array<std::size_t, kSceneStates> scenes{}; ///< by SceneState
+  std::size_t outdatedScenes = 0, sceneBytes = 0, sceneLimit = 0;
   ConnectionCounts connections{};
   bool draining = false;
 };

@@ -52,14 +52,23 @@ Json meshJson(const SceneMesh& mesh) {
   return json;
 }
 
-Json materialJson(const Material& material) {
+Json textureJson(const SceneData& data, std::uint32_t texture) {
+  if (texture == kNoTexture) return {};
+  return {{"width", data.textures[texture].width()}, {"height", data.textures[texture].height()}};
+}
+
+Json materialJson(const SceneData& data, const Material& material) {
   return {{"name", material.name},
           {"base_color", triple(material.baseColor)},
           {"roughness", plain(material.roughness)},
           {"metallic", plain(material.metallic)},
+          {"specular", plain(material.specular)},
           {"transmission", plain(material.transmission)},
           {"ior", plain(material.ior)},
-          {"emission", triple(material.emission)}};
+          {"emission", triple(material.emission)},
+          {"absorption", triple(material.absorption)},
+          {"base_color_texture", textureJson(data, material.baseColorTexture)},
+          {"roughness_texture", textureJson(data, material.roughnessTexture)}};
 }
 
 Json summary(const CatalogueEntry& entry, const std::string& root) {
@@ -78,6 +87,7 @@ Json summary(const CatalogueEntry& entry, const std::string& root) {
     json["bounds"] = {{"min", triple(scene->bounds.lower)}, {"max", triple(scene->bounds.upper)}};
   const RadiusRange radius = radiusRange(*scene);
   json["radius"] = radiusJson(radius.current, radius.max);
+  if (!entry.outdated.empty()) json["warnings"].push_back(entry.outdated);
   for (const std::string& warning : scene->warnings)
     json["warnings"].push_back(withoutRoot(warning, root));
   return json;
@@ -109,7 +119,7 @@ std::string sceneDetailJson(const CatalogueEntry& entry, const std::string& root
   json["materials"] = Json::array();
   if (scene.data)
     for (const Material& material : scene.data->materials)
-      json["materials"].push_back(materialJson(material));
+      json["materials"].push_back(materialJson(*scene.data, material));
   const Camera& camera = scene.camera;
   json["camera"] = {{"eye", triple(camera.eye)},
                     {"target", triple(camera.target)},
@@ -117,7 +127,9 @@ std::string sceneDetailJson(const CatalogueEntry& entry, const std::string& root
                     {"vfov_degrees", camera.vfovDegrees},
                     {"aperture_diameter", camera.apertureDiameter},
                     {"focus_distance", camera.focusDistance}};
-  json["load"] = {{"seconds", entry.loadSeconds}};
+  json["load"] = {{"seconds", entry.loadSeconds}, {"memory_bytes", entry.bytes}, {"files", Json::array()}};
+  for (const std::filesystem::path& file : scene.files)
+    json["load"]["files"].push_back(file.lexically_relative(root).generic_string());
   return dumped(json);
 }
 

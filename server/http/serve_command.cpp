@@ -127,7 +127,7 @@ int runServeCommand(const ServeCommandOptions& options) {
   const StopSignals signals;
   raiseDescriptorLimit();
 
-  Catalogue catalogue(options.root, fromSeconds(options.rescanSeconds));
+  Catalogue catalogue(options.root, fromSeconds(options.rescanSeconds), options.sceneMegabytes << 20);
   Service service(serviceOptions(options), catalogue,
                   options.web.empty() ? StaticFiles() : StaticFiles(options.web));
   ConnectionLimits limits;

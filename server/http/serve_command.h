@@ -16,6 +16,7 @@ struct ServeCommandOptions {
   unsigned waiting = 64;          ///< requests that may wait for a slot
   unsigned connections = 512;
   std::size_t cacheMegabytes = 1024;   ///< of prepared scenes
+  std::size_t sceneMegabytes = 8192;   ///< of all scenes, as loaded
   double deadlineSeconds = 120;        ///< of one request
   double rescanSeconds = 2;            ///< how often files are looked at again; 0: never
   double drainDelaySeconds = 0;        ///< after SIGTERM, not ready yet taking work: for balancers to see it

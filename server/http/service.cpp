@@ -217,8 +217,12 @@ Response Service::metricsText() const {
   MetricsNow now;
   now.queue = queue_.state();
   now.cache = cache_.state();
-  for (const auto& entry : catalogue_.list())
+  now.sceneLimit = catalogue_.memoryLimit();
+  for (const auto& entry : catalogue_.list()) {
     ++now.scenes[static_cast<std::size_t>(entry->state)];
+    now.outdatedScenes += !entry->outdated.empty();
+    now.sceneBytes += entry->bytes;
+  }
   if (connections_) now.connections = connections_();
   now.draining = ending_;
   Response response = plainText(metrics_.text(now));

@@ -67,7 +67,24 @@ public:
     return finish({});
   }
 
+  /// As resolveBelow(); a file that is not there yet is remembered too.
+  fs::path resolve(const fs::path& folder, const std::string& name) {
+    try {
+      const fs::path file = resolveBelow(root_, folder, name);
+      addFile(file);
+      return file;
+    } catch (const Error& e) {
+      if (e.kind() == ErrorKind::NotFound) addFile(folder / name);
+      throw;
+    }
+  }
+
 private:
+  void addFile(const fs::path& file) {
+    if (std::find(scene_->files.begin(), scene_->files.end(), file) == scene_->files.end())
+      scene_->files.push_back(file);
+  }
+
   /// Adds the path of an entry to errors that do not know it.
   template <class F>
   void at(const std::string& path, F&& f) {
@@ -80,6 +97,10 @@ private:
 
   void addMesh(const MeshDescription& d) {
     LoadedMesh loaded = meshes_.load(d, scene_->warnings);
+    addFile(loaded.mesh.file);
+    addFile(sidecarOf(loaded.mesh.file));
+    for (const fs::path& library : loaded.mesh.mesh->materialFiles)
+      addFile(library);
     identity_ += loaded.content.hex();
     Bounds3 bounds;
     for (const auto& triangle : loaded.mesh.mesh->triangles)
@@ -148,7 +169,7 @@ private:
   }
 
   std::uint32_t addTexture(const fs::path& folder, const std::string& name, PixelEncoding encoding) {
-    const fs::path file = resolveBelow(root_, folder, name);
+    const fs::path file = resolve(folder, name);
     const auto [entry, added] =
         textures_.try_emplace({file, encoding}, std::uint32_t(data_->textures.size()));
     if (added) {
@@ -199,7 +220,7 @@ private:
     if (e.kind == EnvironmentDescription::Kind::Constant) environment = Environment::constant(e.sky.zenith);
     if (e.kind == EnvironmentDescription::Kind::Image)
       at(e.path, [&] {
-        const fs::path file = resolveBelow(root_, base_, e.image);
+        const fs::path file = resolve(base_, e.image);
         auto image = std::make_shared<Texture>(readImage(file, PixelEncoding::Automatic, e.image));
         environment = Environment::image(std::move(image), e.strength, e.rotationDegrees, e.up);
       });
@@ -231,7 +252,7 @@ std::shared_ptr<const Scene> loadScene(const fs::path& file, const fs::path& roo
   const fs::path top = root.empty() ? folder : root;
   SceneLoader loader(top, folder, name);
   if (!leaf.ends_with(".json")) return loader.fromMesh(leaf);
-  return loader.fromDescription(readFileText(resolveBelow(top, folder, leaf), kLargestSceneFile), leaf);
+  return loader.fromDescription(readFileText(loader.resolve(folder, leaf), kLargestSceneFile), leaf);
 }
 
 } // namespace chamfer

@@ -59,6 +59,8 @@ double largestRadius(const SceneMesh& mesh, unsigned threads) {
 
 } // namespace
 
+fs::path sidecarOf(const fs::path& mesh) { return fs::path(mesh.string() + ".chamfer"); }
+
 const MeshLibrary::Geometry& MeshLibrary::geometry(const fs::path& file) {
   const auto [entry, added] = geometries_.try_emplace(file);
   Geometry& g = entry->second;
@@ -86,10 +88,11 @@ LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>&
   for (const std::string& w : g.mesh->warnings)
     warnings.push_back(where + w);
 
-  fs::path sidecar = m.file;
-  sidecar += ".chamfer";
+  const fs::path sidecar = sidecarOf(m.file);
   std::error_code error;
   const bool hasSidecar = !d.staysSharp && fs::is_regular_file(sidecar, error);
+  if (hasSidecar)
+    resolveBelow(root_, sidecar.parent_path(), sidecar.filename().string()); // no link leads out
   if (hasSidecar) {
     try {
       m.rounding = loadSidecar(sidecar, &g.geometry);

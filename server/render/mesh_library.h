@@ -7,6 +7,9 @@
 
 namespace chamfer {
 
+/// Where the rounding of a mesh file is looked for.
+std::filesystem::path sidecarOf(const std::filesystem::path& mesh);
+
 /// A mesh entry, loaded.
 struct LoadedMesh {
   SceneMesh mesh;

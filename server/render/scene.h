@@ -52,8 +52,14 @@ struct Scene {
   Bounds3 bounds;                              ///< of the scene's own instances
   std::size_t triangles = 0, roundedEdges = 0; ///< over all instances
   std::vector<std::string> warnings;
+  /// Every file that was read or looked for (a sidecar or a texture that is not there, too): when one
+  /// changes, the scene may be another.
+  std::vector<std::filesystem::path> files;
   std::shared_ptr<const SceneData> data;
 };
+
+/// Of everything that the scene holds: meshes with their hierarchies, roundings, textures. Each counted once.
+std::size_t memoryBytes(const Scene& scene);
 
 /// Loads `*.scene.json`, or a mesh with its sidecar beside it (`MESH.chamfer`), which gets a neutral studio:
 /// ground, sky, area light, fitted camera. Throws Error with the key's path or the file's fault;

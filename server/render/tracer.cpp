@@ -126,6 +126,8 @@ std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleM
   return std::make_shared<TracedMesh>(std::move(mesh));
 }
 
+std::size_t memoryBytes(const TracedMesh& mesh) { return mesh.bytes(); }
+
 namespace {
 
 struct Instance {

@@ -19,6 +19,8 @@ namespace chamfer {
 /// A mesh with its bounding volume hierarchy; shared by all instances, scenes and roundings of it.
 class TracedMesh;
 std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleMesh> mesh);
+/// Of the hierarchy, without the mesh.
+std::size_t memoryBytes(const TracedMesh& mesh);
 
 /// A triangle that a probe met; the mesh's frame.
 struct MeshHit {

@@ -1,0 +1,376 @@
+// The OpenAPI document against the real server, in both directions: the document is valid, names every route, and every
+// route, parameter and limit in it answers as it says:
+//   node tests/browser/openapi.test.mjs --chamferd PATH --chamferprep PATH --data FOLDER
+import assert from 'node:assert/strict';
+import { copyFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { parseArgs } from 'node:util';
+
+import { Validator } from '@seriousme/openapi-schema-validator';
+import Ajv2020 from 'ajv/dist/2020.js';
+import gltf from 'gltf-validator';
+
+import { ask } from '../support/http.mjs';
+import { makeRoot, startServer } from '../support/server.mjs';
+
+const { values: paths } = parseArgs({
+  options: { chamferd: { type: 'string' }, chamferprep: { type: 'string' }, data: { type: 'string' } },
+});
+const KEY = '0123456789abcdef';
+
+let root;
+let server;
+let doc;
+let info;
+let scene;
+let ajv;
+
+before(async () => {
+  root = makeRoot(paths.chamferprep, paths.data);
+  // A scene that can never be ready: its mesh is not the one that its sidecar was made for.
+  copyFileSync(join(root.root, 'solids/cube.obj'), join(root.root, 'stale.obj'));
+  copyFileSync(join(root.root, 'solids/octahedron.obj.chamfer'), join(root.root, 'stale.obj.chamfer'));
+  server = await startServer(paths.chamferd, root.root);
+  [doc, info, scene] = await Promise.all(
+    ['openapi.json', 'info', 'scenes/solids%2Fcube'].map(async (path) => (await send(`/v1/${path}`)).json),
+  );
+  ajv = new Ajv2020({ strict: false, allErrors: true });
+  ajv.addSchema({ $id: 'doc:', ...doc });
+});
+
+after(async () => {
+  await server?.stop();
+  root?.remove();
+});
+
+/** One request: {status, headers, body, json}; json is null where there is none. */
+async function send(path, { url = server.url, ...options } = {}) {
+  const answer = await ask(url + path, options);
+  const isJson = /json/.test(answer.headers['content-type']) && answer.body.length > 0;
+  return { ...answer, json: isJson ? JSON.parse(answer.body) : null };
+}
+
+function assertMatches(json, schema) {
+  const pointer = `doc:#/components/schemas/${schema}`;
+  assert.ok(ajv.validate(pointer, json), `${schema}: ${ajv.errorsText()}`);
+}
+
+/** Checks an answer against its operation: the status is documented, headers, type and body are as they should be. */
+function assertDocumented(answer, operation, method, what) {
+  const response = operation.responses[answer.status];
+  assert.ok(response, `${what}: ${answer.status} is not documented: ${answer.body.subarray(0, 300)}`);
+  for (const name of Object.keys(response.headers ?? {})) {
+    // What a render finds out is not known to HEAD.
+    const known = method !== 'HEAD' || !/^(X-Chamfer|Server-Timing)/.test(name);
+    if (known) assert.ok(answer.headers[name.toLowerCase()] !== undefined, `${what}: no ${name}`);
+  }
+  if (method === 'HEAD' || !response.content) return assert.equal(answer.body.length, 0, what);
+  const type = answer.headers['content-type'].split(';')[0];
+  assert.ok(response.content[type], `${what}: ${type}`);
+  const reference = response.content[type].schema?.$ref;
+  if (reference) assertMatches(answer.json, reference.split('/').at(-1));
+}
+
+const EXAMPLE = { width: 64, height: 48, x: 0, y: 0, w: 1, h: 1, s0: 0, s1: 1, format: 'png', file: '' };
+const RAYS = { rays: [[3, -3, 0.1, -1, 1, 0]] };
+
+/** The path of a template; `values` go before the examples. */
+const fill = (template, values = {}) =>
+  template.replaceAll(/\{(\w+)\}/g, (_, name) => ({ scene: scene.id, ...EXAMPLE, ...values })[name]);
+
+const jsonBody = (body) => ({
+  method: 'POST',
+  headers: { 'Content-Type': 'application/json' },
+  body: typeof body === 'string' ? body : JSON.stringify(body),
+});
+
+async function assertProblem(answer, status, parameter, what) {
+  assert.equal(answer.status, status, `${what}: ${answer.body}`);
+  if (!answer.json) return; // HEAD
+  assertMatches(answer.json, 'Problem');
+  assert.equal(answer.json.status, status, what);
+  if (parameter) assert.equal(answer.json.parameter, parameter, what);
+}
+
+test('the document is valid OpenAPI 3.1 and its schemas compile', async () => {
+  assert.equal(doc.openapi, '3.1.0');
+  assert.equal(doc.info.version, info.version);
+  const { valid, errors } = await new Validator().validate(structuredClone(doc));
+  assert.ok(valid, JSON.stringify(errors, null, 1));
+  for (const name of Object.keys(doc.components.schemas)) assert.ok(ajv.getSchema(`doc:#/components/schemas/${name}`));
+});
+
+test('every registered route is in the document', async () => {
+  const text = (await send('/metrics')).body.toString();
+  const routes = new Set([...text.matchAll(/chamfer_requests_total\{route="([^"]+)"/g)].map((match) => match[1]));
+  routes.delete('none');
+  assert.deepEqual([...routes].sort(), Object.keys(doc.paths).sort());
+});
+
+test('every operation answers as documented, every other method is refused', async () => {
+  for (const [template, operations] of Object.entries(doc.paths)) {
+    for (const method of ['GET', 'HEAD', 'OPTIONS', 'POST', 'PUT', 'DELETE', 'PATCH']) {
+      const operation = operations[method.toLowerCase()];
+      const what = `${method} ${template}`;
+      const answer = await send(fill(template), method === 'POST' ? jsonBody(RAYS) : { method });
+      if (!operation) {
+        await assertProblem(answer, 405, '', what);
+        continue;
+      }
+      assert.equal(answer.status, method === 'OPTIONS' ? 204 : 200, what);
+      assertDocumented(answer, operation, method, what);
+      if (answer.headers.etag && method === 'GET') {
+        const again = await send(fill(template), { headers: { 'If-None-Match': answer.headers.etag } });
+        const changing = again.status === 200 && template === '/v1/info'; // its figures move
+        if (!changing) assert.equal(again.status, 304, what);
+        assertDocumented(again, operation, method, what);
+      }
+    }
+  }
+});
+
+test('scenes that are not there, not ready, or called by name answer as documented', async () => {
+  for (const [template, operations] of Object.entries(doc.paths)) {
+    if (!template.includes('{scene}')) continue;
+    const [method] = Object.keys(operations);
+    const options = method === 'post' ? jsonBody(RAYS) : {};
+    for (const [name, status] of [['none', 404], ['stale', 409], ['solids%2Fcube', 'name']]) {
+      const answer = await send(fill(template, { scene: name }), options);
+      const redirects = operations[method].responses[307] !== undefined;
+      assert.equal(answer.status, status === 'name' ? (redirects ? 307 : 200) : status, template);
+      assertDocumented(answer, operations[method], method, `${template} of ${name}`);
+    }
+  }
+});
+
+test('keys and hosts answer as documented', async () => {
+  const file = join(root.root, 'keys.txt');
+  writeFileSync(file, KEY);
+  const guarded = await startServer(paths.chamferd, root.root, 0, ['--key-file', file]);
+  try {
+    const own = (headers = {}) => send('/v1/openapi.json', { headers, url: guarded.url });
+    const { json: guardedDoc } = await own({ Authorization: `Bearer ${KEY}` });
+    for (const [template, operations] of Object.entries(doc.paths)) {
+      const [method] = Object.keys(operations);
+      const asked = (headers) =>
+        send(fill(template), { method: method.toUpperCase(), headers, url: guarded.url });
+      const needsKey = guardedDoc.paths[template][method].security !== undefined;
+      assert.equal(needsKey, operations[method].responses[401] !== undefined, template);
+      for (const [headers, status] of [[{}, 401], [{ 'X-Api-Key': 'wrong' }, 403]]) {
+        const answer = await askWith(headers);
+        assertDocumented(answer, operations[method], method, template);
+        assert.equal(answer.status === status, needsKey, template);
+      }
+      const known = await askWith({ 'X-Api-Key': KEY });
+      assert.ok(![401, 403].includes(known.status), template);
+      const foreign = await askWith({ Host: 'evil.example', 'X-Api-Key': KEY });
+      assert.equal(foreign.status === 421, operations[method].responses[421] !== undefined, template);
+    }
+  } finally {
+    await guarded.stop();
+  }
+});
+
+/** Values that make the others fit a probed one. */
+function around(name, value) {
+  const number = Number.isInteger(Number(value)) ? Number(value) : 0;
+  const largest = (parameter) => info.parameters.find((row) => row.name === parameter).limits.maximum;
+  switch (name) {
+    case 'width':
+    case 'height':
+      return { width: 1, height: 1 };
+    case 'x':
+      return { width: Math.max(1, Math.min(number + 1, largest('width'))), height: 1 };
+    case 'y':
+      return { width: 1, height: Math.max(1, Math.min(number + 1, largest('height'))) };
+    case 'w':
+      return { width: Math.max(1, Math.min(number, largest('width'))), height: 1 };
+    case 'h':
+      return { width: 1, height: Math.max(1, Math.min(number, largest('height'))) };
+    case 's0':
+      return { s1: Math.max(1, Math.min(number + 1, largest('s1'))) };
+    case 's1':
+      return { s0: Math.max(0, Math.min(number - 1, largest('s0'))) };
+    default:
+      return {};
+  }
+}
+
+/** Values of a schema: [inside...], [[outside, status]...]; `[value, name]` where another name is at fault. */
+function probes({ name, schema }) {
+  if (schema.enum) return { inside: schema.enum, outside: [['frob', 400], ['', 400], [schema.enum[0].toUpperCase(), 400]] };
+  if (schema.pattern) return { inside: ['analytic', 'none'], outside: [['frob', 400], ['mesh:257', 422], ['bevel:0', 422]] };
+  if (schema.type === 'array') {
+    const numbers = [3, -3, 2, 0, 0, 0, 0, 0, 1, 40, 0.1, 3];
+    const put = (i, value) => numbers.with(i, value).join();
+    const inside = [numbers.slice(0, schema.minItems).join(), numbers.join()];
+    const outside = [[numbers.slice(0, 9).join(), 400], [numbers.slice(0, 11).join(), 400], [[...numbers, 1].join(), 400]];
+    schema.prefixItems.slice(0, 3).forEach((item, i) => {
+      for (const limit of ['minimum', 'maximum']) {
+        inside.push(put(i, item[limit]));
+        outside.push([put(i, item[limit] * 1.001), 422]);
+      }
+    });
+    const angle = schema.prefixItems[9];
+    inside.push(put(9, angle.minimum), put(9, angle.maximum));
+    outside.push([put(9, angle.minimum * 0.99), 422, angle.title], [put(9, angle.maximum * 1.01), 422, angle.title]);
+    return { inside, outside };
+  }
+  if (name === 'radius') {
+    // The scene's own limit comes before the document's.
+    const { max } = scene.radius;
+    return { inside: [max * 1e-3, max * 0.999], outside: [[0, 422], [-1, 422], [max, 422], [schema.maximum * 1.001, 422], ['x', 400]] };
+  }
+  if (schema.type === 'integer') {
+    const { minimum, maximum } = schema;
+    const below = minimum === 0 ? [-1, 400] : [minimum - 1, 422];
+    const outside = [below, [maximum + 1, 422], ['99999999999999999999', 422], ['1.5', 400], ['007', 400], ['+1', 400], ['', 400]];
+    return { inside: [minimum, maximum], outside };
+  }
+  return null;
+}
+
+test('every parameter works up to its limits and is refused beyond them', async () => {
+  let probed = 0;
+  for (const [template, operations] of Object.entries(doc.paths)) {
+    for (const parameter of operations.get?.parameters ?? []) {
+      const { name } = parameter;
+      if (parameter.schema.type === 'string' && !parameter.schema.enum && !parameter.schema.pattern) continue; // names
+      const { inside, outside } = probes(parameter);
+      const pathWith = (value) => {
+        const path = fill(template, { ...around(name, value), [name]: value });
+        return parameter.in === 'path' ? path : `${path}?${name}=${encodeURIComponent(value)}`;
+      };
+      for (const value of inside) {
+        const answer = await send(pathWith(value));
+        assert.equal(answer.status, 200, `${pathWith(value)}: ${answer.body.subarray(0, 300)}`);
+        assertDocumented(answer, operations.get, 'GET', pathWith(value));
+      }
+      for (const [value, status, blamed = name] of outside) {
+        const answer = await send(pathWith(value));
+        // An empty or cut part may be read as that of another form of the path.
+        await assertProblem(answer, status, value === '' || value === '+1' || value === -1 ? '' : blamed, pathWith(value));
+        probed++;
+      }
+      if (parameter.in === 'query') {
+        await assertProblem(await send(`${pathWith(inside[0])}&${name}=${inside[0]}`), 400, name, 'given twice');
+      }
+    }
+    if (operations.get?.parameters.some(({ in: place }) => place === 'query')) {
+      await assertProblem(await send(`${fill(template)}?frobnicate=1`), 400, 'frobnicate', 'unknown');
+    } else if (template.startsWith('/v1') && operations.get) {
+      await assertProblem(await send(`${fill(template)}?seed=1`), 400, 'query', template);
+    }
+  }
+  assert.ok(probed > 100, `${probed} probes`);
+});
+
+test('the body of a batch of rays is read as documented', async () => {
+  const [template, { post }] = Object.entries(doc.paths).find(([, operations]) => operations.post);
+  const { schema } = post.requestBody.content['application/json'];
+  const [ray] = RAYS.rays;
+  const { maxItems } = schema.properties.rays;
+  const { minItems, prefixItems } = schema.properties.rays.items;
+  assert.deepEqual(schema.required, ['rays']);
+  const good = [
+    RAYS,
+    { rays: [] },
+    { rays: Array(maxItems).fill(ray) },
+    { ...RAYS, rounding: 'none', tnear: schema.properties.tnear.maximum },
+    { ...RAYS, radius: scene.radius.max * 0.999 },
+    { rays: [ray.with(0, prefixItems[0].maximum), ray.with(1, prefixItems[1].minimum)] },
+  ];
+  const bad = [
+    [{}, 400],
+    [{ rays: [ray.slice(0, minItems - 1)] }, 400],
+    [{ rays: [[...ray, 1]] }, 400],
+    [{ rays: Array(maxItems + 1).fill(ray) }, 422],
+    [{ rays: [ray.with(2, prefixItems[2].maximum * 1.001)] }, 422],
+    [{ ...RAYS, tnear: -1 }, 422],
+    [{ ...RAYS, radius: 0 }, 422],
+    [{ ...RAYS, radius: scene.radius.max }, 422],
+    [{ ...RAYS, rounding: 'frob' }, 400],
+    [{ ...RAYS, frobnicate: 1 }, 400],
+    ['{', 400],
+  ];
+  const valid = ajv.compile(schema);
+  for (const body of good) {
+    const answer = await send(fill(template), jsonBody(body));
+    assert.equal(answer.status, 200, `${answer.body.subarray(0, 300)}`);
+    assert.ok(valid(body));
+    assertMatches(answer.json, 'Hits');
+    assert.equal(answer.json.hits.length, body.rays.length);
+  }
+  for (const [body, status] of bad) {
+    const answer = await send(fill(template), jsonBody(body));
+    await assertProblem(answer, status, '', JSON.stringify(body).slice(0, 80));
+    if (typeof body === 'object' && body.radius !== scene.radius.max) assert.ok(!valid(body), JSON.stringify(body).slice(0, 80));
+  }
+  const untyped = await send(fill(template), { method: 'POST', body: '{}' });
+  await assertProblem(untyped, 415, '', 'no content type');
+});
+
+test('the limits of /v1/info are those of the document and of the server', async () => {
+  const { limits } = info;
+  const documented = doc.components.schemas.Info.properties.limits.properties;
+  assert.deepEqual(Object.keys(documented).sort(), Object.keys(limits).sort());
+  const tile = Object.keys(doc.paths).find((template) => template.includes('/tiles/'));
+  const frame = Object.keys(doc.paths).find((template) => template.includes('/frames/'));
+  const rays = fill(Object.keys(doc.paths).find((template) => template.endsWith('/rays')));
+  const sized = (width, height) => ({ width, height, w: width, h: height });
+  // Beyond what is worth rendering here HEAD, which checks everything and renders nothing.
+  const head = (template, values) => send(fill(template, values), { method: 'HEAD' });
+  const paddedTo = (bytes) => JSON.stringify({ rays: [] }).padEnd(bytes);
+  const fields = (count) => Object.fromEntries(Array.from({ length: count }, (_, i) => [`X-${i}`, 'a']));
+  const framing = 2; // Host and Connection, which the client adds
+  const probes = {
+    tile_pixels: [() => head(tile, sized(limits.tile_pixels / 64, 64)), () => head(tile, sized(limits.tile_pixels / 64, 65)), 422],
+    frame_pixels: [() => head(frame, sized(limits.frame_pixels / 4096, 4096)), () => head(frame, sized(limits.frame_pixels / 4096, 4097)), 422],
+    request_samples: [
+      () => head(tile, { ...sized(256, 256), s1: limits.request_samples / 65536 }),
+      () => head(tile, { ...sized(256, 256), s1: limits.request_samples / 65536 + 1 }),
+      422,
+    ],
+    rays: [
+      () => send(rays, jsonBody({ rays: Array(limits.rays).fill(RAYS.rays[0]) })),
+      () => send(rays, jsonBody({ rays: Array(limits.rays + 1).fill(RAYS.rays[0]) })),
+      422,
+    ],
+    body_bytes: [() => send(rays, jsonBody(paddedTo(limits.body_bytes))), () => send(rays, jsonBody(paddedTo(limits.body_bytes + 1))), 413],
+    target_bytes: [() => send(`/livez?${'a'.repeat(limits.target_bytes - 7)}`), () => send(`/livez?${'a'.repeat(limits.target_bytes - 6)}`), 414],
+    header_fields: [
+      () => send('/livez', { headers: fields(limits.header_fields - framing) }),
+      () => send('/livez', { headers: fields(limits.header_fields - framing + 1) }),
+      431,
+    ],
+    head_bytes: [
+      () => send('/livez', { headers: { 'X-Long': 'a'.repeat(limits.head_bytes - 200) } }),
+      () => send('/livez', { headers: { 'X-Long': 'a'.repeat(limits.head_bytes) } }),
+      431,
+    ],
+  };
+  // The deadline and the number of connections belong to the start; preview_bytes has a test beside its writer.
+  const elsewhere = ['deadline_seconds', 'connections', 'preview_bytes'];
+  assert.deepEqual([...Object.keys(probes), ...elsewhere].sort(), Object.keys(limits).sort());
+  for (const [name, [inside, outside, status]] of Object.entries(probes)) {
+    assert.equal((await inside()).status, 200, name);
+    const answer = await outside().catch((error) => error);
+    // A client that is still sending may see the connection end before the answer.
+    if (answer instanceof Error) assert.match(`${answer.code}`, /ECONNRESET|EPIPE/, name);
+    else await assertProblem(answer, status, '', name);
+  }
+});
+
+test("every scene's preview is valid glTF", async () => {
+  const { json: scenes } = await send('/v1/scenes');
+  const ready = scenes.filter(({ state }) => state === 'ready');
+  assert.ok(ready.length > 5);
+  for (const { id, name, triangles } of ready) {
+    const { status, body } = await send(`/v1/scenes/${id}/preview.glb`);
+    assert.equal(status, 200, name);
+    const { issues, info: facts } = await gltf.validateBytes(new Uint8Array(body), { maxIssues: 5 });
+    assert.equal(issues.numErrors + issues.numWarnings, 0, `${name}: ${JSON.stringify(issues.messages)}`);
+    assert.ok(facts.totalTriangleCount <= triangles, name); // instances share their meshes
+  }
+});
