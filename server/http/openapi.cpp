@@ -134,7 +134,7 @@ Json parameter(const ParameterRow& row, const char* place, const RouteRow& route
     json["style"] = "form"; // numbers with commas between them
     json["explode"] = false;
   }
-  json["schema"] = schemaOf(row, formatsOf(route));
+  json["schema"] = schemaOf(row, row.name == "format" ? formatsOf(route) : std::vector<std::string>{});
   return json;
 }
 

@@ -72,7 +72,7 @@ constexpr const char* kSchemas = R"json({
                "properties": {"min": {"$ref": "#/components/schemas/Triple"}, "max": {"$ref": "#/components/schemas/Triple"}}},
     "radius": {"$ref": "#/components/schemas/Radius"},
     "warnings": {"type": "array", "items": {"type": "string"}}}},
-"SceneList": {"type": "array", "items": {"$ref": "#/components/schemas/SceneSummary", "unevaluatedProperties": false}},
+"SceneList": {"type": "array", "items": {"allOf": [{"$ref": "#/components/schemas/SceneSummary"}], "unevaluatedProperties": false}},
 "Mesh": {
   "type": "object", "additionalProperties": false,
   "required": ["name", "triangles", "rounded", "solids", "rounded_edges", "radius", "rounding_bytes"],
@@ -102,7 +102,7 @@ constexpr const char* kSchemas = R"json({
     "up": {"$ref": "#/components/schemas/Triple"}, "vfov_degrees": {"type": "number"},
     "aperture_diameter": {"type": "number"}, "focus_distance": {"type": "number", "description": "0: distance to the target"}}},
 "Scene": {
-  "$ref": "#/components/schemas/SceneSummary", "unevaluatedProperties": false,
+  "allOf": [{"$ref": "#/components/schemas/SceneSummary"}], "unevaluatedProperties": false,
   "required": ["instances", "meshes", "materials", "camera", "load"],
   "properties": {
     "instances": {"type": "integer"},
@@ -121,7 +121,7 @@ constexpr const char* kSchemas = R"json({
   "properties": {
     "t": {"type": "number", "description": "in lengths of the ray's direction"},
     "position": {"$ref": "#/components/schemas/Triple"},
-    "normal": {"$ref": "#/components/schemas/Triple", "description": "unit, outward"},
+    "normal": {"allOf": [{"$ref": "#/components/schemas/Triple"}], "description": "unit, outward"},
     "feature": {"enum": ["flat", "cylinder", "sphere"]},
     "instance": {"type": "integer"}, "solid": {"type": ["integer", "null"], "description": "null: the mesh is sharp"},
     "triangle": {"type": "integer"}}},

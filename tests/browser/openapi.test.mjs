@@ -153,7 +153,7 @@ test('keys and hosts answer as documented', async () => {
     const { json: guardedDoc } = await own({ Authorization: `Bearer ${KEY}` });
     for (const [template, operations] of Object.entries(doc.paths)) {
       const [method] = Object.keys(operations);
-      const asked = (headers) =>
+      const askWith = (headers) =>
         send(fill(template), { method: method.toUpperCase(), headers, url: guarded.url });
       const needsKey = guardedDoc.paths[template][method].security !== undefined;
       assert.equal(needsKey, operations[method].responses[401] !== undefined, template);
@@ -208,7 +208,8 @@ function probes({ name, schema }) {
     const outside = [[numbers.slice(0, 9).join(), 400], [numbers.slice(0, 11).join(), 400], [[...numbers, 1].join(), 400]];
     schema.prefixItems.slice(0, 3).forEach((item, i) => {
       for (const limit of ['minimum', 'maximum']) {
-        inside.push(put(i, item[limit]));
+        // From high above, up is still sideways.
+        inside.push(put(i, item[limit]).replace(',0,0,1,40', ',1,1,1,40'));
         outside.push([put(i, item[limit] * 1.001), 422]);
       }
     });
