@@ -1,4 +1,5 @@
 // The server's HTTP interface as the page uses it. Every call takes an AbortSignal and fails with a ServerError.
+import { keyHeaders } from './key.js';
 import { decodeTile } from './tiles.js';
 import { cameraText } from './viewstate.js';
 
@@ -16,12 +17,17 @@ export class ServerError extends Error {
   get passing() {
     return [0, 429, 502, 503, 504].includes(this.status);
   }
+
+  /** The server wants a key, or another one. */
+  get needsKey() {
+    return [401, 403].includes(this.status);
+  }
 }
 
 async function request(url, options) {
   let response;
   try {
-    response = await fetch(url, options);
+    response = await fetch(url, { ...options, headers: { ...options?.headers, ...keyHeaders() } });
   } catch (cause) {
     if (cause.name === 'AbortError') throw cause;
     throw new ServerError('The server does not answer.');

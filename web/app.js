@@ -3,6 +3,7 @@
 import { fetchHit, fetchScene, fetchScenes, ServerError } from './api.js';
 import { distance, fitAspect, isInside, keepInside, orbit, pan, pixelRay, zoom } from './camera.js';
 import { listen } from './input.js';
+import { rememberKey } from './key.js';
 import { offerDownload, Panel } from './panel.js';
 import { RadiusScale } from './radius.js';
 import { Renderer } from './renderer.js';
@@ -38,7 +39,7 @@ async function loadScenes() {
     state.scenes = await fetchScenes();
   } catch (error) {
     sayProblem(error);
-    setTimeout(loadScenes, RELOAD_MS);
+    if (!error.needsKey) setTimeout(loadScenes, RELOAD_MS);
     return;
   }
   panel.listScenes(state.scenes);
@@ -187,7 +188,16 @@ function forgetPoint() {
 
 function sayProblem(error) {
   if (!(error instanceof ServerError)) throw error;
-  panel.showProblem(error.message);
+  if (error.needsKey) askKey(error);
+  else panel.showProblem(error.message);
+}
+
+function askKey({ status }) {
+  panel.askKey(status === 403 ? 'That key is not one of this server’s.' : 'It is kept for this tab only.', (key) => {
+    rememberKey(key);
+    if (state.scene) changed();
+    else loadScenes();
+  });
 }
 
 async function showStatus(status) {
@@ -195,7 +205,10 @@ async function showStatus(status) {
   // A scene whose file has changed has another id: take the new one up.
   if (status.phase === 'failed' && state.scene) {
     const { name, id } = state.scene;
-    const scenes = await fetchScenes().catch(() => []);
+    const scenes = await fetchScenes().catch((error) => {
+      if (error.needsKey) askKey(error);
+      return [];
+    });
     const now = scenes.find((scene) => scene.name === name);
     if (!now || now.id === id || state.scene.id !== id) return;
     state.scenes = scenes;

@@ -1,4 +1,5 @@
 // The panel beside the picture: its elements, shown and read. Knows nothing of cameras, tiles or the server.
+import { isSendable } from './key.js';
 import { hitRows, lengthText, sceneFacts, statusText } from './words.js';
 
 const byId = (id) => document.getElementById(id);
@@ -81,6 +82,22 @@ export class Panel {
     const problem = byId('problem');
     if (problem.textContent !== text) problem.textContent = text;
     problem.hidden = text === '';
+  }
+
+  /** Asks for a key until one is given that can be sent; `note` says why. Calls `onKey(key)`. */
+  askKey(note, onKey) {
+    const [dialog, input] = [byId('key-dialog'), byId('key')];
+    byId('key-note').textContent = note;
+    input.value = '';
+    dialog.oncancel = (event) => event.preventDefault(); // without a key there is nothing to see
+    dialog.onsubmit = (event) => {
+      const key = input.value.trim();
+      if (isSendable(key)) return onKey(key);
+      event.preventDefault();
+      byId('key-note').textContent = 'A key is made of letters, digits and signs, without blanks.';
+    };
+    if (!dialog.open) dialog.showModal();
+    input.focus();
   }
 
   /** What lies under a point (x, y in pixels of the picture): a hit, null for nothing, or undefined to show none. */

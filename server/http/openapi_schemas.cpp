@@ -85,7 +85,7 @@ constexpr const char* kSchemas = R"json({
   "properties": {"width": {"type": "integer", "minimum": 1}, "height": {"type": "integer", "minimum": 1}}},
 "Material": {
   "type": "object", "additionalProperties": false,
-  "required": ["name", "base_color", "roughness", "metallic", "specular", "transmission", "ior", "emission", "absorption", "base_color_texture", "roughness_texture"],
+  "required": ["name", "base_color", "roughness", "metallic", "specular", "transmission", "ior", "emission", "absorption", "base_color_texture", "roughness_texture", "normal_texture"],
   "properties": {
     "name": {"type": "string"},
     "base_color": {"$ref": "#/components/schemas/Triple"},
@@ -93,7 +93,8 @@ constexpr const char* kSchemas = R"json({
     "transmission": {"type": "number"}, "ior": {"type": "number"},
     "emission": {"$ref": "#/components/schemas/Triple"}, "absorption": {"$ref": "#/components/schemas/Triple"},
     "base_color_texture": {"$ref": "#/components/schemas/TextureSize"},
-    "roughness_texture": {"$ref": "#/components/schemas/TextureSize"}}},
+    "roughness_texture": {"$ref": "#/components/schemas/TextureSize"},
+    "normal_texture": {"$ref": "#/components/schemas/TextureSize"}}},
 "Camera": {
   "type": "object", "additionalProperties": false,
   "required": ["eye", "target", "up", "vfov_degrees", "aperture_diameter", "focus_distance"],

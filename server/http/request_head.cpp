@@ -89,6 +89,16 @@ bool listHolds(std::string_view list, std::string_view word) {
   }
 }
 
+/// Who asks, and for what, must be said once: of two words a proxy could go by the one, this server by the
+/// other.
+void refuseRepeated(const Headers& headers) {
+  for (const std::string_view name : {"authorization", "x-api-key", "content-type", "x-request-id"}) {
+    const auto named = [&](const auto& field) { return field.first == name; };
+    if (std::count_if(headers.begin(), headers.end(), named) > 1)
+      malformed("more than one " + std::string(name) + " field");
+  }
+}
+
 void interpretFields(RequestHead& head) {
   int hosts = 0, lengths = 0;
   for (const auto& [name, value] : head.headers) {
@@ -110,6 +120,7 @@ void interpretFields(RequestHead& head) {
       head.expectContinue = head.http11;
     }
   }
+  refuseRepeated(head.headers);
   if (hosts > 1 || (hosts == 0 && head.http11)) malformed("exactly one Host header is needed");
   if (lengths > 1) malformed("more than one Content-Length");
   if (head.method == "POST") {

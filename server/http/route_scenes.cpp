@@ -2,6 +2,7 @@
 #include "server/http/routes.h"
 #include "server/http/scene_json.h"
 #include "server/http/schema.h"
+#include "server/render/render_words.h"
 
 namespace chamfer::http {
 
@@ -48,8 +49,13 @@ std::shared_ptr<const PreparedScene> preparedFor(const Parts& parts,
   try {
     return parts.cache.get(scene, choice, cancelled);
   } catch (const Error& error) {
-    if (error.kind() != ErrorKind::RadiusTooLarge || !choice.radius) throw;
     Problem problem = problemOf(error, parts.catalogue.root().string());
+    if (error.kind() == ErrorKind::OutOfRange) { // an explicit mesh of too many triangles
+      problem.parameter = "rounding";
+      problem.value = roundingWord(choice);
+      throw ProblemError(problem);
+    }
+    if (error.kind() != ErrorKind::RadiusTooLarge || !choice.radius) throw;
     problem.parameter = "radius";
     problem.value = numberText(*choice.radius);
     if (const double max = radiusRange(*scene).max; max > 0)

@@ -68,7 +68,8 @@ Json materialJson(const SceneData& data, const Material& material) {
           {"emission", triple(material.emission)},
           {"absorption", triple(material.absorption)},
           {"base_color_texture", textureJson(data, material.baseColorTexture)},
-          {"roughness_texture", textureJson(data, material.roughnessTexture)}};
+          {"roughness_texture", textureJson(data, material.roughnessTexture)},
+          {"normal_texture", textureJson(data, material.normalTexture)}};
 }
 
 Json summary(const CatalogueEntry& entry, const std::string& root) {

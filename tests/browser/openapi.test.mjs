@@ -200,7 +200,9 @@ function around(name, value) {
 /** Values of a schema: [inside...], [[outside, status]...]; `[value, name]` where another name is at fault. */
 function probes({ name, schema }) {
   if (schema.enum) return { inside: schema.enum, outside: [['frob', 400], ['', 400], [schema.enum[0].toUpperCase(), 400]] };
-  if (schema.pattern) return { inside: ['analytic', 'none'], outside: [['frob', 400], ['mesh:257', 422], ['bevel:0', 422]] };
+  if (schema.pattern) return { inside: ['analytic', 'none', 'mesh:1', 'mesh:256', 'bevel:1', 'bevel:256'],
+      outside: [['frob', 400], ['mesh', 400], ['mesh:257', 422], ['bevel:0', 422], ['bevel:257', 422]],
+    };
   if (schema.type === 'array') {
     const numbers = [3, -3, 2, 0, 0, 0, 0, 0, 1, 40, 0.1, 3];
     const put = (i, value) => numbers.with(i, value).join();

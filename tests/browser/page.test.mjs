@@ -1,7 +1,8 @@
 // The page in a real browser, on the real server:
 //   node tests/browser/page.test.mjs --chamferd PATH --chamferprep PATH --data FOLDER
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { parseArgs } from 'node:util';
 
@@ -211,6 +212,53 @@ test('the picture can be saved as a PNG', async () => {
     return [width, height];
   });
   assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], canvas);
+});
+
+test('a server with keys is asked with one, which the tab keeps', async () => {
+  const file = join(root.root, 'keys.txt');
+  writeFileSync(file, '0123456789abcdef\n');
+  const guarded = await startServer(paths.chamferd, root.root, 0, ['--key-file', file]);
+  try {
+    await page.goto(`${guarded.url}/#scene=solids/cube`);
+    const dialog = page.locator('#key-dialog');
+    await dialog.waitFor();
+    await page.keyboard.press('Escape');
+    assert.ok(await dialog.isVisible());
+    const give = async (key) => {
+      await page.locator('#key').fill(key);
+      await page.keyboard.press('Enter');
+    };
+    await give('two words');
+    assert.match(await page.locator('#key-note').textContent(), /without blanks/);
+    await give('fedcba9876543210');
+    await page.waitForFunction(() => document.getElementById('key-note').textContent.includes('not one of'));
+    await give('0123456789abcdef');
+    await waitForSamples(page, SAMPLES);
+    assert.ok(await dialog.isHidden());
+    assert.ok(contrast(await blockMeans(page)) > 5);
+    await page.reload();
+    await waitForSamples(page, SAMPLES);
+    assert.ok(await dialog.isHidden());
+    assert.ok(!(await page.evaluate(() => location.href)).includes('0123456789abcdef'));
+    // Another key from now on: it is asked for while the picture is there.
+    await guarded.stop();
+    writeFileSync(file, 'aaaabbbbccccdddd\n');
+    const changed = await startServer(paths.chamferd, root.root, guarded.port, ['--key-file', file]);
+    try {
+      await page.locator('input[value="none"]').check({ force: true });
+      await dialog.waitFor();
+      await give('aaaabbbbccccdddd');
+      await waitForSamples(page, SAMPLES);
+    } finally {
+      await changed.stop();
+    }
+  } finally {
+    await guarded.stop();
+  }
+  // The browser itself reports refusals, and the 503 of a draining server.
+  const others = faults.filter((fault) => !/status of (401|403|503)|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET/.test(fault));
+  faults.length = 0;
+  assert.deepEqual(others, []);
 });
 
 test('the page says that the server is away, and goes on when it is back', async () => {

@@ -1,8 +1,6 @@
 // The server on a real socket: framing, attacks on it, slow clients, clients that leave.
-#include "server/http/http_server.h"
 #include "server/http/schema.h"
-#include "tests/http/http_client.h"
-#include "tests/http/service_fixture.h"
+#include "tests/http/server_fixture.h"
 
 #include <gmock/gmock.h>
 
@@ -15,41 +13,7 @@ using test::Reply;
 using test::requestText;
 using testing::HasSubstr;
 
-class Server : public test::ServiceTest {
-protected:
-  Server() { folder_.addCube("cube.obj"); }
-  ~Server() override {
-    if (server_) server_->stop(milliseconds(0));
-  }
-
-  void start(ServiceOptions options = {}, ConnectionLimits limits = {}) {
-    serve(std::move(options));
-    limits.workers = service_->blockingRequests() + 4;
-    server_ = std::make_unique<HttpServer>(limits, [this](Request& request, const Problem* refusal) {
-      return service_->answer(request, refusal);
-    });
-    port_ = server_->start("127.0.0.1", 0);
-  }
-  std::string slowTile() {
-    return "/v1/scenes/" + idOf("cube") + "/tiles/4096x4096/0,0,1024,1024/0-1024.f16";
-  }
-  std::string quickTile() { return "/v1/scenes/" + idOf("cube") + "/tiles/64x64/0,0,32,32/0-1.f16"; }
-  int running() { return json(service_->answer(info_))["queue"]["running"]; }
-  void waitForRunning(int count) {
-    for (int i = 0; i < 1000 && running() != count; ++i)
-      std::this_thread::sleep_for(milliseconds(2));
-    ASSERT_EQ(running(), count);
-  }
-  void expectAlive() {
-    const auto begin = std::chrono::steady_clock::now();
-    EXPECT_EQ(test::get(port_, "/livez").status, 200);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, milliseconds(500));
-  }
-
-  Request info_ = request("GET", "/v1/info");
-  std::unique_ptr<HttpServer> server_;
-  int port_ = 0;
-};
+class Server : public test::ServerTest {};
 
 TEST_F(Server, FramesAnswers) {
   start();
@@ -146,7 +110,7 @@ TEST_F(Server, RefusesHostileFramingAndLives) {
       EXPECT_EQ(reply->header("connection"), "close");
       EXPECT_FALSE(connection.receive(false, milliseconds(300))) << "what followed was taken for a request";
     }
-    expectAlive();
+    expectServing();
   }
 }
 
@@ -196,7 +160,7 @@ TEST_F(Server, SlowAndIdleClientsStarveNobody) {
     if (i % 3 == 2)
       others.back()->send("POST /v1/scenes/cube/rays HTTP/1.1\r\nHost: a\r\nContent-Length: 100000\r\n\r\n{");
   }
-  expectAlive();
+  expectServing();
   EXPECT_EQ(test::get(port_, quickTile()).status, 200);
 }
 
@@ -208,7 +172,7 @@ TEST_F(Server, LongestIdleConnectionMakesRoom) {
   for (int i = 0; i < 8; ++i)
     idle.push_back(std::make_unique<Connection>(port_));
   std::this_thread::sleep_for(milliseconds(50));
-  expectAlive();
+  expectServing();
   EXPECT_TRUE(idle[0]->closedWithin(milliseconds(1000)));
 }
 
@@ -223,7 +187,7 @@ TEST_F(Server, ClientThatReadsNothingIsDropped) {
   for (int i = 0; i < 400 && server_->counts().busy > 0; ++i)
     std::this_thread::sleep_for(milliseconds(10));
   EXPECT_EQ(server_->counts().busy, 0u);
-  expectAlive();
+  expectServing();
 }
 
 TEST_F(Server, UnreadAnswersHaveABound) {
@@ -241,7 +205,7 @@ TEST_F(Server, UnreadAnswersHaveABound) {
   for (int i = 0; i < 3000 && server_->counts().busy != 1; ++i)
     std::this_thread::sleep_for(milliseconds(10));
   EXPECT_EQ(server_->counts().busy, 1u) << "the last to come is still served";
-  expectAlive();
+  expectServing();
 }
 
 TEST_F(Server, ClientThatLeavesFreesItsSlotWithinASecond) {
