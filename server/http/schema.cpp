@@ -1,6 +1,7 @@
 #include "server/http/schema.h"
 
 #include "server/http/problem.h"
+#include "server/render/rounded_mesh.h"
 
 #include <charconv>
 #include <cmath>
@@ -62,6 +63,7 @@ constexpr LimitRow kLimits[] = {
     {"head_bytes", kMaxHeadBytes, "of a request's head"},
     {"header_fields", kMaxHeaderFields, "of a request's head"},
     {"target_bytes", kMaxTargetBytes, "of a request's path and query"},
+    {"explicit_triangles", kMostRoundedTriangles, "of a scene with rounding=mesh:K, each mesh counted once"},
     {"preview_bytes", kMaxPreviewBytes, "of a scene's preview.glb; larger ones are not made"},
 };
 

@@ -50,7 +50,7 @@ struct LimitRow {
   std::uint64_t value;
   std::string_view about;
 };
-/// All of the above, under the names by which /v1/info prints them.
+/// All of the above, and those of other parts, under the names by which /v1/info prints them.
 std::span<const LimitRow> limitRows();
 
 std::span<const ParameterRow> parameterRows();

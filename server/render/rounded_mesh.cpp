@@ -9,7 +9,6 @@ namespace chamfer {
 namespace {
 
 /// Some gigabytes: a triangle takes about 150 bytes with its share of vertices, normals and hierarchy.
-constexpr std::uint64_t kMostTriangles = 16'000'000;
 constexpr double kBytesPerTriangle = 150;
 
 } // namespace
@@ -49,9 +48,9 @@ void checkSegments(const std::vector<std::shared_ptr<const Rounding>>& roundings
     size += ExplicitMeshSize(r->view());
   }
   const std::uint64_t triangles = size.triangles(segments);
-  if (triangles <= kMostTriangles) return;
+  if (triangles <= kMostRoundedTriangles) return;
   unsigned most = segments;
-  while (most > 0 && size.triangles(most) > kMostTriangles)
+  while (most > 0 && size.triangles(most) > kMostRoundedTriangles)
     --most;
   char text[256];
   std::snprintf(
@@ -59,7 +58,7 @@ void checkSegments(const std::vector<std::shared_ptr<const Rounding>>& roundings
       "rounding \"mesh:%u\" would make %llu triangles of this scene, about %.1f GB; the limit is %llu "
       "triangles: ",
       segments, static_cast<unsigned long long>(triangles), double(triangles) * kBytesPerTriangle * 1e-9,
-      static_cast<unsigned long long>(kMostTriangles));
+      static_cast<unsigned long long>(kMostRoundedTriangles));
   throw Error(ErrorKind::OutOfRange,
               text + (most > 0 ? "use mesh:" + std::to_string(most) + " or fewer segments"
                                : std::string("use rounding analytic")))

@@ -35,6 +35,9 @@ private:
   std::vector<Feature> features_;      ///< by triangle
 };
 
+/// Triangles that a rounding of explicit meshes may have: about 150 bytes each, with their hierarchy.
+inline constexpr std::uint64_t kMostRoundedTriangles = 16'000'000;
+
 /// Refuses a choice of segments that would make too many triangles of the scene's meshes, each counted once.
 /// `roundings` by mesh, null where it stays sharp. Throws Error(OutOfRange) with the number of triangles, the
 /// limit and the largest number of segments within it.

@@ -353,8 +353,9 @@ test('the limits of /v1/info are those of the document and of the server', async
       431,
     ],
   };
-  // The deadline and the number of connections belong to the start; preview_bytes has a test beside its writer.
-  const elsewhere = ['deadline_seconds', 'connections', 'preview_bytes'];
+  // Tested where it takes no large scene, or a server of its own: server_test, image_route_test, preview_test,
+  // hardening_test.
+  const elsewhere = ['deadline_seconds', 'connections', 'preview_bytes', 'explicit_triangles'];
   assert.deepEqual([...Object.keys(probes), ...elsewhere].sort(), Object.keys(limits).sort());
   for (const [name, [inside, outside, status]] of Object.entries(probes)) {
     assert.equal((await inside()).status, 200, name);

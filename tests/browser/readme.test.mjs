@@ -56,6 +56,9 @@ test('every example ends well and does what it says', async () => {
   assert.match(all, /^blocks {2}\d+ triangles, radius below 0\.\d+$/m);
   assert.match(all, /"feature": "cylinder"/);
   assert.match(all, /"parameters":/);
+  assert.match(all, /^\/v1\/openapi\.json$/m);
+  assert.match(all, /^chamfer_rays_total\{kind="camera"\} [1-9]/m);
+  assert.equal(readFileSync(join(folder, 'blocks.glb')).subarray(0, 4).toString('latin1'), 'glTF');
 
   const size = (name) => {
     const bytes = readFileSync(join(folder, name));
