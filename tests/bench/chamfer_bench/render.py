@@ -3,6 +3,7 @@ import dataclasses
 import hashlib
 import json
 import os
+import signal
 
 from . import process
 from .scenes import Failure, sharp_twin
@@ -30,8 +31,10 @@ def arguments(program, scene, rounding, setting, output, camera=None):
 
 def measure(command):
     """Runs it; the report of chamferd with the process's own peak memory, or {"refused": message} when chamferd does not
-    know or admit the rounding."""
+    know or admit the rounding, or was killed for its memory."""
     done = process.run(command)
+    if done.status == -signal.SIGKILL:
+        return {"refused": f"killed at {done.peak_bytes / 2**30:.1f} GiB; the machine has too little memory"}
     if done.status in (2, 5):
         return {"refused": done.stderr.strip().removeprefix("chamferd: ")}
     if done.status != 0:

@@ -23,15 +23,15 @@ def run(context, scenes, roundings, rounds, setting, deadline):
             # Each round begins with another variant: none always runs on a machine as warm as the others found it.
             order = roundings[turn % len(roundings):] + roundings[:turn % len(roundings)]
             for rounding in order:
-                if rounding in refused:
+                if (scene, rounding) in refused:
                     continue
                 picture = context.picture(scene, rounding)
                 command = arguments(context.chamferd, context.scene(scene), rounding, setting, picture)
                 what = f"table round {turn} {scene} {rounding} {setting}"
                 result = context.log.get(what, lambda: measure(command))
                 if "refused" in result:
-                    refused[rounding] = result["refused"]
-                    context.say(f"{rounding} is left out: {result['refused']}")
+                    refused[scene, rounding] = result["refused"]
+                    context.say(f"{scene} with {rounding} is left out: {result['refused']}")
                     continue
                 measured.setdefault((scene, rounding), []).append(result)
                 context.say(f"round {turn + 1}/{rounds}  {scene:<11} {rounding:<9} {result['seconds']:8.2f} s "
@@ -44,8 +44,8 @@ def run(context, scenes, roundings, rounds, setting, deadline):
             break
     rows = [_row(scene, rounding, measured) for scene in scenes for rounding in roundings if (scene, rounding) in measured]
     print(_text(rows))
-    result = {"what": "Table 1", "machine": describe(), "setting": dataclasses.asdict(setting), "refused": refused,
-              "rows": rows}
+    result = {"what": "Table 1", "machine": describe(), "setting": dataclasses.asdict(setting),
+              "refused": [{"scene": s, "rounding": r, "why": why} for (s, r), why in refused.items()], "rows": rows}
     context.write("table.json", json.dumps(result, indent=2) + "\n")
     plots.table(context.output / "table.svg", rows)
     return rows
