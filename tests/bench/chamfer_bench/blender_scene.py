@@ -25,10 +25,9 @@ import pathlib
 import sys
 import time
 
+import bmesh
 import bpy
 import mathutils
-
-FACE_ANGLE = math.radians(1)  # the bevel modifier leaves edges flatter than this alone
 
 
 def read_obj(path):
@@ -204,15 +203,25 @@ class SceneBuilder:
                 self.add_bevel(placed, mesh, radius)
 
     def add_bevel(self, placed, mesh, radius):
-        """Width = radius, which is the tangent length of our rounding at right angles; the modifier knows no constant radius."""
-        mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
-        mesh.use_auto_smooth = True
-        mesh.auto_smooth_angle = math.pi
+        """The modifier cuts every edge by a width times its weight: here the tangent length r tan(turn / 2) of our rounding."""
+        if "bevel width" not in mesh:
+            edges = bmesh.new()  # setting the weights of a mesh one by one takes quadratic time
+            edges.from_mesh(mesh)
+            edges.normal_update()
+            lengths = [radius * math.tan(edge.calc_face_angle() / 2) for edge in edges.edges]
+            mesh["bevel width"] = max(lengths)
+            layer = edges.edges.layers.bevel_weight.verify()
+            for edge, length in zip(edges.edges, lengths):
+                edge[layer] = length / mesh["bevel width"]
+            edges.to_mesh(mesh)
+            edges.free()
+            mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+            mesh.use_auto_smooth = True  # for harden_normals: the flats stay flat
+            mesh.auto_smooth_angle = math.pi
         bevel = placed.modifiers.new("bevel", "BEVEL")
-        bevel.width = radius
+        bevel.width = mesh["bevel width"]
+        bevel.limit_method = "WEIGHT"
         bevel.segments = self.job["segments"]
-        bevel.limit_method = "ANGLE"
-        bevel.angle_limit = FACE_ANGLE
         bevel.use_clamp_overlap = False  # it would give every solid of the mesh what the smallest one bears
         bevel.harden_normals = True
 
