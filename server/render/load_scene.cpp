@@ -44,6 +44,8 @@ public:
       const auto materials = std::uint32_t(data_->materials.size());
       for (const MaterialDescription& m : d.materials)
         at(m.path, [&] { addMaterial(m); });
+      scene_->instances.reserve(d.instances.size());
+      data_->instanceSource.reserve(d.instances.size());
       for (const InstanceDescription& i : d.instances)
         addInstance(i.mesh, i.material == kNone ? kNone : materials + i.material, i.worldFromObject);
       addLights(d);

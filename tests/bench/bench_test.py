@@ -54,6 +54,13 @@ class Commands(unittest.TestCase):
         self.bench("table", *options)
         self.assertEqual((self.folder / "runs.jsonl").read_bytes(), log + b'{"key": "cut o', "nothing was measured again")
 
+    def test_a_wall_of_a_million_bricks_loads_in_seconds(self):
+        _, result = self.bench("table", "--scenes", "wall", "--roundings", "none", "analytic", "--rounds", "1")
+        for row in result["rows"]:
+            self.assertEqual(row["triangles"], 12 * 1_000_000 + 12)
+            self.assertLess(row["load_seconds"], 30, "on whatever machine and beside whatever else")
+        self.assertGreater(result["rows"][1]["rounded_share"], 0.05)
+
     def test_flight(self):
         _, result = self.bench("flight", "--steps", "3", "--rounds", "1", "--roundings", "analytic")
         shares = [point["rounded_share"] for point in result["points"]]

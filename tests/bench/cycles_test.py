@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Cycles as independent truth: a matt scene under each kind of light has the same mean radiance in both renderers. Skipped
-where Blender or oiiotool is not installed. Argument: --chamferd PROGRAM."""
+"""Cycles as independent truth: scenes of few materials have the same mean radiance in both renderers. Skipped where
+Blender or oiiotool is not installed. Argument: --chamferd PROGRAM."""
 import argparse
 import json
 import pathlib
@@ -24,11 +24,11 @@ FRAME = {"width": 80, "height": 45, "samples": 96, "bounces": 4, "threads": 2}
 programs = None
 
 
-def matt_scene(lights):
-    """A red cube on a white ground, both without coat, so that both renderers have Lambert's law."""
+def scene_with(lights, materials):
+    """A cube on a ground. `materials`: what both have beside their colours."""
     return {
-        "meshes": [{"name": "cube", "file": "cube.obj", "rounding": False}, {"name": "ground", "file": "ground.obj", "rounding": False}],
-        "materials": [{"name": "red", "base_color": [0.6, 0.1, 0.1], "specular": 0}, {"name": "white", "base_color": 0.7, "specular": 0}],
+        "meshes": [{"name": name, "file": f"{name}.obj", "rounding": False} for name in ("cube", "ground")],
+        "materials": [{"name": "red", "base_color": [0.6, 0.1, 0.1], **materials}, {"name": "white", "base_color": 0.7, **materials}],
         "instances": [{"mesh": "cube", "material": "red", "translate": [0, 0, 0.5], "rotate": {"axis": [0, 0, 1], "degrees": 20}},
                       {"mesh": "ground", "material": "white"}],
         "lights": lights,
@@ -44,26 +44,39 @@ def means(picture):
 
 @unittest.skipUnless(shutil.which("blender") and shutil.which("oiiotool"), "needs blender and oiiotool (Debian: blender, openimageio-tools)")
 class SameLight(unittest.TestCase):
-    def test_in_both_renderers(self):
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            shutil.copy(SOURCE / "data/solids/cube.obj", folder)
-            shutil.copy(SOURCE / "data/stage/ground.obj", folder)
-            for kind, lights in LIGHTS.items():
-                with self.subTest(kind):
-                    scene = folder / f"{kind}.scene.json"
-                    scene.write_text(json.dumps(matt_scene(lights)))
-                    ours, theirs, job = folder / "ours.exr", folder / "theirs.exr", folder / "job.json"
-                    subprocess.run([programs.chamferd, "render", scene, "-o", ours, "--quiet",
-                                    *(f"--{key}={value}" for key, value in FRAME.items())], check=True)
-                    job.write_text(json.dumps({**FRAME, "scene": str(scene), "edges": "sharp", "picture": str(theirs),
-                                               "result": str(folder / "result.json")}))
-                    blender = subprocess.run(["blender", "-b", "--factory-startup", "--python-exit-code", "3", "--python",
-                                              cycles.SCRIPT, "--", job], capture_output=True, text=True, check=False)
-                    self.assertEqual(blender.returncode, 0, blender.stdout + blender.stderr)
-                    for a, b in zip(means(ours), means(theirs)):
-                        # Means of 350,000 samples: their noise is about 0.1 %, a wrong factor of a light is not.
-                        self.assertAlmostEqual(a / b, 1, delta=0.005)
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        shutil.copy(SOURCE / "data/solids/cube.obj", self.folder)
+        shutil.copy(SOURCE / "data/stage/ground.obj", self.folder)
+
+    def ratios(self, lights, materials):
+        """Mean of ours over mean of Cycles' picture, by channel. 350,000 samples: their noise is about 0.1 %."""
+        scene, ours, theirs, job = (self.folder / name for name in ("a.scene.json", "ours.exr", "theirs.exr", "job.json"))
+        scene.write_text(json.dumps(scene_with(lights, materials)))
+        subprocess.run([programs.chamferd, "render", scene, "-o", ours, "--quiet",
+                        *(f"--{key}={value}" for key, value in FRAME.items())], check=True)
+        job.write_text(json.dumps({**FRAME, "scene": str(scene), "edges": "sharp", "picture": str(theirs),
+                                   "result": str(self.folder / "result.json")}))
+        blender = subprocess.run(["blender", "-b", "--factory-startup", "--python-exit-code", "3", "--python", cycles.SCRIPT,
+                                  "--", job], capture_output=True, text=True, check=False)
+        self.assertEqual(blender.returncode, 0, blender.stdout + blender.stderr)
+        return [a / b for a, b in zip(means(ours), means(theirs))]
+
+    def test_on_matt_surfaces(self):
+        """Lambert's law in both: nothing but noise may differ."""
+        for kind, lights in LIGHTS.items():
+            with self.subTest(kind):
+                for ratio in self.ratios(lights, {"specular": 0}):
+                    self.assertAlmostEqual(ratio, 1, delta=0.005)
+
+    def test_on_other_materials(self):
+        """Coat and metal: the models differ a little in what they do at grazing angles."""
+        for name, material in {"coat": {"roughness": 0.4}, "metal": {"roughness": 0.4, "metallic": 1}}.items():
+            with self.subTest(name):
+                for ratio in self.ratios(LIGHTS["sky"], material):
+                    self.assertAlmostEqual(ratio, 1, delta=0.02)
 
 
 if __name__ == "__main__":
