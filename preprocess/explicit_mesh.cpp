@@ -1,6 +1,7 @@
 #include "preprocess/explicit_mesh.h"
 
 #include "common/core_view.h"
+#include "common/error.h"
 
 #include <algorithm>
 
@@ -17,9 +18,10 @@ Vector3 slerp(const Vector3& a, const Vector3& b, double share) {
 class SolidMesher {
 public:
   SolidMesher(const RoundingView& view, std::uint32_t solid, unsigned segments,
-              std::span<const std::uint32_t> triangleOfFacet, ExplicitMesh& out)
+              std::span<const std::uint32_t> triangleOfFacet, const std::function<bool()>& cancelled,
+              ExplicitMesh& out)
       : core_(view, solid), record_(view.solids[solid]), segments_(segments),
-        triangleOfFacet_(triangleOfFacet), out_(out) {}
+        triangleOfFacet_(triangleOfFacet), cancelled_(cancelled), out_(out) {}
 
   void run() {
     const std::uint32_t n = core_.halfEdgeCount();
@@ -33,6 +35,8 @@ public:
     for (std::uint32_t h = 0; h < n; ++h) {
       const HalfEdge e = core_.halfEdge(h);
       if (h < e.twin) strip(h, e);
+      if (cancelled_ && cancelled_())
+        throw Error(ErrorKind::Cancelled, "cancelled while an explicit mesh was made");
       if (!done[h]) sphere(h, done);
       if (core_.facet(e.facet).firstHalfEdge() == h) flat(h, e.facet);
     }
@@ -161,6 +165,7 @@ private:
   const SolidRecord& record_;
   unsigned segments_;
   std::span<const std::uint32_t> triangleOfFacet_; ///< by the solid's local facet
+  const std::function<bool()>& cancelled_;
   ExplicitMesh& out_;
   std::vector<std::uint32_t> corner_; ///< vertex at the start of a half-edge on its facet
   std::vector<Arc> arc_;
@@ -168,7 +173,8 @@ private:
 
 } // namespace
 
-ExplicitMesh explicitMesh(const RoundingView& view, const TriangleMesh& mesh, unsigned segments) {
+ExplicitMesh explicitMesh(const RoundingView& view, const TriangleMesh& mesh, unsigned segments,
+                          const std::function<bool()>& cancelled) {
   ExplicitMesh out;
   std::vector<std::uint32_t> triangleOfFacet(view.facets.size(), 0);
   for (std::size_t t = view.facetOfTriangle.size(); t-- > 0;)
@@ -176,7 +182,8 @@ ExplicitMesh explicitMesh(const RoundingView& view, const TriangleMesh& mesh, un
   for (std::uint32_t s = 0; s < view.solidCount(); ++s) {
     const std::uint32_t first = view.solids[s].firstFacet;
     SolidMesher(view, s, std::max(1u, segments),
-                std::span(triangleOfFacet).subspan(first, view.solids[s + 1].firstFacet - first), out)
+                std::span(triangleOfFacet).subspan(first, view.solids[s + 1].firstFacet - first), cancelled,
+                out)
         .run();
   }
   for (std::size_t t = 0; t < view.facetOfTriangle.size(); ++t) {

@@ -7,6 +7,7 @@
 #include "preprocess/mesh.h"
 
 #include <filesystem>
+#include <functional>
 
 namespace chamfer {
 
@@ -22,8 +23,9 @@ struct ExplicitMesh {
 
 /// Each rounded edge becomes `segments` (>= 1) strips, each sphere a grid with as many segments along its
 /// sides, each flat a polygon. All vertices lie on the exact surface R. Triangles of `mesh` that stay sharp
-/// are copied.
-ExplicitMesh explicitMesh(const RoundingView& view, const TriangleMesh& mesh, unsigned segments);
+/// are copied. `cancelled` is asked often; true: Error(Cancelled).
+ExplicitMesh explicitMesh(const RoundingView& view, const TriangleMesh& mesh, unsigned segments,
+                          const std::function<bool()>& cancelled = {});
 
 /// How many triangles explicitMesh() makes, without making them.
 class ExplicitMeshSize {

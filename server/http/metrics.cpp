@@ -23,8 +23,8 @@ const Histogram::BucketBoundaries kBuckets = {0.0005, 0.001, 0.0025, 0.005, 0.01
                                               0.5,    1,     2.5,    5,     10,   25,    60,   120};
 
 constexpr const char* kStatusClasses[] = {"2xx", "3xx", "4xx", "5xx"};
-constexpr const char* kScarcityWords[kScarcities] = {"",       "render-queue", "workers", "connections",
-                                                     "bodies", "memory"};
+constexpr const char* kScarcityWords[kScarcities] = {
+    "", "render-queue", "fair-share", "workers", "connections", "bodies", "memory"};
 
 /// Routes by their templates; what has no route is counted under its own word.
 std::string_view routeWord(std::size_t i) {
@@ -181,7 +181,7 @@ Metrics::Metrics() : series_(std::make_unique<Series>()) {
                        .Register(s.registry)
                        .Add({{"stage", stageWord(static_cast<Stage>(i))}}, kBuckets);
   for (std::size_t i = 1; i < kScarcities; ++i)
-    s.sheds[i] = &s.counter("chamfer_shed_total", "Requests sent away with 503, by what was short",
+    s.sheds[i] = &s.counter("chamfer_shed_total", "Requests sent away with 503 or 429, by what was short",
                             {{"short", kScarcityWords[i]}});
   s.bytes = &s.counter("chamfer_answer_bytes_total", "Bytes of answers' bodies");
   s.cancelled = &s.counter("chamfer_cancelled_total", "Requests given up because their client was gone");

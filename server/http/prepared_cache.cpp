@@ -25,14 +25,20 @@ std::shared_ptr<const PreparedScene> PreparedCache::get(const std::shared_ptr<co
   std::promise<Result> promise;
   {
     std::unique_lock lock(mutex_);
-    if (const auto found = places_.find(key); found != places_.end()) {
+    for (auto found = places_.find(key); found != places_.end(); found = places_.find(key)) {
       ++hits_;
       entries_.splice(entries_.begin(), entries_, found->second);
       const std::shared_future<Result> result = found->second->result;
       lock.unlock();
       while (result.wait_for(kPoll) != std::future_status::ready)
         if (cancelled()) throw Error(ErrorKind::Cancelled, "cancelled while its rounding was built");
-      return result.get();
+      try {
+        return result.get();
+      } catch (const Error& error) {
+        // Who built it has gone, not who waits: it is built again.
+        if (error.kind() != ErrorKind::Cancelled) throw;
+      }
+      lock.lock();
     }
     ++builds_;
     entries_.push_front({key, promise.get_future().share(), 0});
@@ -40,7 +46,7 @@ std::shared_ptr<const PreparedScene> PreparedCache::get(const std::shared_ptr<co
   }
 
   try {
-    Result result = prepare(scene, choice, threads_);
+    Result result = prepare(scene, choice, threads_, cancelled);
     const std::size_t bytes = memoryBytes(*result);
     promise.set_value(result);
     const std::lock_guard lock(mutex_);
@@ -50,11 +56,13 @@ std::shared_ptr<const PreparedScene> PreparedCache::get(const std::shared_ptr<co
     return result;
   } catch (...) {
     // Those who wait get the same error; the next to come tries again.
+    {
+      const std::lock_guard lock(mutex_);
+      const auto found = places_.find(key);
+      entries_.erase(found->second);
+      places_.erase(found);
+    }
     promise.set_exception(std::current_exception());
-    const std::lock_guard lock(mutex_);
-    const auto found = places_.find(key);
-    entries_.erase(found->second);
-    places_.erase(found);
     throw;
   }
 }

@@ -21,7 +21,7 @@ public:
   PreparedCache(std::size_t bytes, unsigned threads) : limit_(bytes), threads_(threads) {}
 
   /// Builds or waits for what another request builds. Throws what prepare() throws (it is tried again the
-  /// next time), and Error(Cancelled) when `cancelled` turns true while another request builds.
+  /// next time), and Error(Cancelled) soon after `cancelled` has turned true, whoever builds.
   std::shared_ptr<const PreparedScene> get(const std::shared_ptr<const Scene>& scene,
                                            const RoundingChoice& choice,
                                            const std::function<bool()>& cancelled);

@@ -14,9 +14,9 @@ namespace chamfer::http {
 /// In the log and the metrics, for a request whose client has gone: nobody is left to read an answer.
 inline constexpr int kStatusClientGone = 499;
 
-/// What the server had too little of for a request that it sent away (503).
-enum class Scarcity : std::uint8_t { None, RenderQueue, Workers, Connections, Bodies, Memory };
-inline constexpr std::size_t kScarcities = 6;
+/// What the server had too little of for a request that it sent away (503, 429).
+enum class Scarcity : std::uint8_t { None, RenderQueue, FairShare, Workers, Connections, Bodies, Memory };
+inline constexpr std::size_t kScarcities = 7;
 
 /// What an answer says about an error. Nothing in it may come from a library's message or name a path of the
 /// server.

@@ -32,18 +32,43 @@ RenderQueue::Slot RenderQueue::acquire(const std::string& client, const std::fun
     ++holds_[client];
     return Slot(this, client);
   }
-  if (waiting_.size() >= places_)
+  if (waiting_.size() >= places_ && !makeRoomFor(client))
     throw ProblemError(busy(std::to_string(running_) + " requests are rendered and " +
                                 std::to_string(waiting_.size()) + " wait, which is all that may",
                             retryAfterSeconds(), Scarcity::RenderQueue));
   Waiter self{client};
   const auto place = waiting_.insert(waiting_.end(), &self);
-  while (!wake_.wait_for(lock, kPoll, [&] { return self.granted; })) {
+  while (!wake_.wait_for(lock, kPoll, [&] { return self.granted || self.displaced; })) {
     if (!cancelled()) continue;
     waiting_.erase(place);
     throw Error(ErrorKind::Cancelled, "cancelled while it waited to be rendered");
   }
+  if (self.displaced) {
+    Problem problem = busy("more requests of this client wait than of any other, and another one needed the "
+                           "place of this one",
+                           retryAfterSeconds(), Scarcity::FairShare);
+    problem.status = 429;
+    throw ProblemError(problem);
+  }
   return Slot(this, client);
+}
+
+bool RenderQueue::makeRoomFor(const std::string& client) {
+  std::map<std::string, unsigned> waits;
+  for (const Waiter* waiter : waiting_)
+    ++waits[waiter->client];
+  if (waits.empty()) return false;
+  const auto most = std::max_element(waits.begin(), waits.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto own = waits.find(client);
+  // With one more of its own the newcomer must still have fewer, or both would displace each other.
+  if ((own == waits.end() ? 0 : own->second) + 1 >= most->second) return false;
+  const auto last = std::find_if(waiting_.rbegin(), waiting_.rend(),
+                                 [&](const Waiter* waiter) { return waiter->client == most->first; });
+  (*last)->displaced = true;
+  waiting_.erase(std::next(last).base());
+  wake_.notify_all();
+  return true;
 }
 
 void RenderQueue::grantNext() {

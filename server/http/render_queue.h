@@ -1,6 +1,6 @@
 // Admission to rendering: a number of slots, and a bounded number of requests that wait for one. A freed slot
-// goes to the client that holds the fewest, so that one client with many requests does not shut out the
-// others.
+// goes to the client that holds the fewest, and where all places are taken the client with the most of them
+// gives one up, so that one client with many requests does not shut out the others.
 #pragma once
 
 #include <chrono>
@@ -36,8 +36,9 @@ public:
     std::chrono::steady_clock::time_point since_;
   };
 
-  /// Blocks until a slot is free. Throws ProblemError (503 with Retry-After) when too many wait already, and
-  /// Error(Cancelled) within a tenth of a second after `cancelled` has turned true.
+  /// Blocks until a slot is free. Throws ProblemError, both with Retry-After: 503 when too many wait already,
+  /// 429 when this client has more waiting than others and one of those needs the place; and Error(Cancelled)
+  /// within a tenth of a second after `cancelled` has turned true.
   Slot acquire(const std::string& client, const std::function<bool()>& cancelled);
 
   struct State {
@@ -49,8 +50,9 @@ public:
 private:
   struct Waiter {
     std::string client;
-    bool granted = false;
+    bool granted = false, displaced = false;
   };
+  bool makeRoomFor(const std::string& client);
   void grantNext();
   void release(const std::string& client, double seconds);
   int retryAfterSeconds() const;

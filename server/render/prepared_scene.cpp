@@ -28,7 +28,8 @@ std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, double radi
 }
 
 std::vector<std::shared_ptr<const Rounding>> chooseRoundings(const Scene& scene, const RoundingChoice& choice,
-                                                             unsigned threads) {
+                                                             unsigned threads,
+                                                             const std::function<bool()>& cancelled) {
   std::vector<std::shared_ptr<const Rounding>> roundings(scene.meshes.size());
   if (choice.mode == RoundingMode::None) return roundings;
   if (!choice.radius) {
@@ -46,13 +47,16 @@ std::vector<std::shared_ptr<const Rounding>> chooseRoundings(const Scene& scene,
     throw Error(ErrorKind::RadiusTooLarge,
                 "the radius " + shown(radius) + " is too large: it must be below " +
                     shown(smallest->maxRadius) + ", the inradius of mesh \"" + smallest->name + "\"");
-  for (std::size_t i = 0; i < roundings.size(); ++i)
+  for (std::size_t i = 0; i < roundings.size(); ++i) {
+    if (cancelled && cancelled()) throw Error(ErrorKind::Cancelled, "cancelled while its rounding was built");
     if (!scene.meshes[i].staysSharp) roundings[i] = buildRounding(scene.meshes[i], radius, threads);
+  }
   return roundings;
 }
 
 std::vector<MeshForm> chooseForms(const Scene& scene, const RoundingChoice& choice,
-                                  const std::vector<std::shared_ptr<const Rounding>>& roundings) {
+                                  const std::vector<std::shared_ptr<const Rounding>>& roundings,
+                                  const std::function<bool()>& cancelled) {
   std::vector<MeshForm> forms(roundings.size());
   if (choice.mode == RoundingMode::Mesh) checkSegments(roundings, choice.count);
   // Meshes of one file and radius share what is made of them.
@@ -67,7 +71,8 @@ std::vector<MeshForm> chooseForms(const Scene& scene, const RoundingChoice& choi
       form.mode = choice.mode;
       form.rounding = roundings[i];
       if (choice.mode == RoundingMode::Mesh)
-        form.explicitMesh = std::make_shared<RoundedMesh>(*mesh, roundings[i]->view(), choice.count);
+        form.explicitMesh =
+            std::make_shared<RoundedMesh>(*mesh, roundings[i]->view(), choice.count, cancelled);
       if (choice.mode != RoundingMode::Bevel && OriginalSurface::matters(*mesh))
         form.original = std::make_shared<OriginalSurface>(mesh, roundings[i]);
     }
@@ -112,11 +117,11 @@ std::size_t PreparedScene::tracedTriangles() const {
 }
 
 std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const RoundingChoice& choice,
-                                             unsigned threads) {
+                                             unsigned threads, const std::function<bool()>& cancelled) {
   if (choice.mode == RoundingMode::Bevel && (choice.count < 1 || choice.count > kMostBevelProbes))
     throw Error(ErrorKind::OutOfRange, "a bevel takes 1 to " + std::to_string(kMostBevelProbes) +
                                            " probes, not " + std::to_string(choice.count));
-  auto forms = chooseForms(*scene, choice, chooseRoundings(*scene, choice, threads));
+  auto forms = chooseForms(*scene, choice, chooseRoundings(*scene, choice, threads, cancelled), cancelled);
   return std::make_shared<PreparedScene>(std::move(scene), std::move(forms), choice.count);
 }
 

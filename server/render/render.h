@@ -59,9 +59,11 @@ struct RayStatistics {
 
 /// Scene plus one rounding choice, ready to trace. Immutable, shared; may be costly to make (another radius).
 class PreparedScene;
-/// Throws Error(RadiusTooLarge) naming the largest radius that works, Error(OutOfRange).
+/// Throws Error(RadiusTooLarge) naming the largest radius that works, Error(OutOfRange). `cancelled` is asked
+/// often, from any thread; true: Error(Cancelled).
 std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const RoundingChoice& choice,
-                                             unsigned threads = 0);
+                                             unsigned threads = 0,
+                                             const std::function<bool()>& cancelled = {});
 /// The tracer over the scene's own instances only (no studio ground): what POST .../rays asks.
 const Tracer& ownTracer(const PreparedScene& prepared);
 const Scene& sceneOf(const PreparedScene& prepared);

@@ -13,8 +13,9 @@ constexpr double kBytesPerTriangle = 150;
 
 } // namespace
 
-RoundedMesh::RoundedMesh(const TriangleMesh& original, const RoundingView& rounding, unsigned segments) {
-  ExplicitMesh made = explicitMesh(rounding, original, segments);
+RoundedMesh::RoundedMesh(const TriangleMesh& original, const RoundingView& rounding, unsigned segments,
+                         const std::function<bool()>& cancelled) {
+  ExplicitMesh made = explicitMesh(rounding, original, segments, cancelled);
   auto mesh = std::make_shared<TriangleMesh>();
   mesh->positions = std::move(made.positions);
   mesh->triangles = std::move(made.triangles);
@@ -23,7 +24,7 @@ RoundedMesh::RoundedMesh(const TriangleMesh& original, const RoundingView& round
     normals_.push_back(toFloat3(n));
   sources_ = std::move(made.meshTriangle);
   features_ = std::move(made.features);
-  traced_ = makeTracedMesh(mesh);
+  traced_ = makeTracedMesh(mesh, cancelled);
   mesh_ = std::move(mesh);
 }
 

@@ -6,6 +6,7 @@
 #include "server/render/original_surface.h"
 #include "server/render/scene.h"
 
+#include <functional>
 #include <vector>
 
 namespace chamfer {
@@ -13,8 +14,9 @@ namespace chamfer {
 /// Immutable once made.
 class RoundedMesh {
 public:
-  /// `segments` >= 1 strips an edge.
-  RoundedMesh(const TriangleMesh& original, const RoundingView& rounding, unsigned segments);
+  /// `segments` >= 1 strips an edge. `cancelled` as in prepare().
+  RoundedMesh(const TriangleMesh& original, const RoundingView& rounding, unsigned segments,
+              const std::function<bool()>& cancelled = {});
 
   const TriangleMesh& mesh() const { return *mesh_; }
   const std::shared_ptr<const TracedMesh>& traced() const { return traced_; }

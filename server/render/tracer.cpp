@@ -13,10 +13,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <embree3/rtcore.h>
 #include <limits>
 #include <mutex>
 #include <string>
+#include <thread>
 
 namespace chamfer {
 namespace {
@@ -41,8 +43,12 @@ RTCDevice device() {
   return shared;
 }
 
+constexpr const char* kCancelled = "cancelled while a bounding volume hierarchy was built";
+
 void checkDevice(const char* step) {
-  if (const RTCError error = rtcGetDeviceError(device()); error != RTC_ERROR_NONE)
+  const RTCError error = rtcGetDeviceError(device());
+  if (error == RTC_ERROR_CANCELLED) throw Error(ErrorKind::Cancelled, kCancelled);
+  if (error != RTC_ERROR_NONE)
     throw Error(ErrorKind::Internal, std::string("Embree failed to ") + step + " (error " +
                                          std::to_string(error) +
                                          (error == RTC_ERROR_OUT_OF_MEMORY ? ", out of memory)" : ")"));
@@ -63,11 +69,21 @@ public:
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
   }
-  void build() {
+  /// As makeTracedMesh() about `cancelled`.
+  void build(const std::function<bool()>& cancelled = {}) {
     static std::mutex oneAtATime; // so that the bytes counted are this scene's
-    const std::lock_guard lock(oneAtATime);
+    std::unique_lock lock(oneAtATime, std::defer_lock);
+    while (!lock.try_lock()) {
+      if (cancelled && cancelled()) throw Error(ErrorKind::Cancelled, kCancelled);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
     const std::ptrdiff_t before = embreeBytes;
+    if (cancelled)
+      rtcSetSceneProgressMonitorFunction(
+          scene_, [](void* ask, double) { return !(*static_cast<const std::function<bool()>*>(ask))(); },
+          const_cast<std::function<bool()>*>(&cancelled));
     rtcCommitScene(scene_);
+    rtcSetSceneProgressMonitorFunction(scene_, nullptr, nullptr);
     checkDevice("build a bounding volume hierarchy");
     const std::ptrdiff_t after = embreeBytes;
     bytes_ = after > before ? std::size_t(after - before) : 0;
@@ -84,7 +100,8 @@ private:
 
 class TracedMesh {
 public:
-  explicit TracedMesh(std::shared_ptr<const TriangleMesh> mesh) : mesh_(std::move(mesh)) {
+  TracedMesh(std::shared_ptr<const TriangleMesh> mesh, const std::function<bool()>& cancelled)
+      : mesh_(std::move(mesh)) {
     for (const auto& t : mesh_->triangles)
       for (const std::uint32_t v : t)
         bounds_.extend(mesh_->positions[v]);
@@ -105,7 +122,7 @@ public:
       for (const std::uint32_t v : t)
         *indices++ = v;
     scene_.attach(geometry);
-    scene_.build();
+    scene_.build(cancelled);
   }
   const TriangleMesh& mesh() const { return *mesh_; }
   const Vector3& centre() const { return centre_; } ///< object coordinates of Embree's origin
@@ -122,8 +139,9 @@ private:
   EmbreeScene scene_;
 };
 
-std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleMesh> mesh) {
-  return std::make_shared<TracedMesh>(std::move(mesh));
+std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleMesh> mesh,
+                                                 const std::function<bool()>& cancelled) {
+  return std::make_shared<TracedMesh>(std::move(mesh), cancelled);
 }
 
 std::size_t memoryBytes(const TracedMesh& mesh) { return mesh.bytes(); }

@@ -9,6 +9,7 @@
 #include "preprocess/mesh.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,7 +19,9 @@ namespace chamfer {
 
 /// A mesh with its bounding volume hierarchy; shared by all instances, scenes and roundings of it.
 class TracedMesh;
-std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleMesh> mesh);
+/// `cancelled` is asked often, from any thread; true: Error(Cancelled).
+std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleMesh> mesh,
+                                                 const std::function<bool()>& cancelled = {});
 /// Of the hierarchy, without the mesh.
 std::size_t memoryBytes(const TracedMesh& mesh);
 

@@ -305,23 +305,7 @@ TEST_F(Hardening, NothingOfALibraryReachesAClient) {
 }
 
 TEST_F(Hardening, RoundingsBeyondTheLimitAreRefusedBeforeTheyAreBuilt) {
-  std::string obj;
-  int vertex = 0;
-  for (int i = 0; i < 60; ++i) { // solids of 256 segments: some hundred thousand triangles each
-    std::istringstream cube(test::cubeObj());
-    for (std::string word, line; std::getline(cube, line);) {
-      std::istringstream numbers(line);
-      numbers >> word;
-      obj += word;
-      for (double n = 0; numbers >> n;)
-        obj += ' ' + std::to_string(word == "v" ? n + 2 * i : n + vertex);
-      obj += '\n';
-    }
-    vertex += 8;
-  }
-  for (std::size_t at = 0; (at = obj.find(".000000", at)) != std::string::npos;)
-    obj.erase(at, 7); // indices are whole
-  folder_.write("row.obj", obj);
+  folder_.write("row.obj", test::rowObj(60)); // of 256 segments: half a million triangles each
   folder_.round("row.obj", 0.1);
   start();
   const auto begin = std::chrono::steady_clock::now();

@@ -1,6 +1,7 @@
 #include "server/http/prepared_cache.h"
 
 #include "common/error.h"
+#include "preprocess/explicit_mesh.h"
 #include "tests/http/scene_folder.h"
 
 #include <gtest/gtest.h>
@@ -73,6 +74,57 @@ TEST_F(PreparedCacheTest, FailureIsNotKept) {
   EXPECT_EQ(cache.state().builds, 2u);
   EXPECT_EQ(cache.state().entries, 0u);
   EXPECT_NE(cache.get(scene_, radius(0.4), kNever), nullptr);
+}
+
+TEST_F(PreparedCacheTest, BuildEndsSoonAfterItsClientHasGone) {
+  folder_.write("row.obj", test::rowObj(24)); // 12.6 million triangles: many seconds
+  folder_.round("row.obj", 0.1);
+  const auto row = loadScene(folder_.path() / "row.obj", folder_.path(), "row");
+  PreparedCache cache(1u << 30, 1);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto leaves = [&] {
+    return std::chrono::steady_clock::now() - begin > std::chrono::milliseconds(200);
+  };
+  try {
+    cache.get(row, {RoundingMode::Mesh, 256, {}}, leaves);
+    ADD_FAILURE() << "built, too quick for this test";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::Cancelled);
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1200));
+  EXPECT_EQ(cache.state().entries, 0u);
+}
+
+TEST_F(PreparedCacheTest, HierarchyEndsSoonAfterItsClientHasGone) {
+  const ExplicitMesh fine = explicitMesh(scene_->meshes[0].rounding->view(), *scene_->meshes[0].mesh, 256);
+  auto mesh = std::make_shared<TriangleMesh>();
+  mesh->positions = fine.positions;
+  mesh->triangles = fine.triangles;
+  std::atomic<int> asked = 0;
+  try {
+    makeTracedMesh(mesh, [&] { return ++asked > 3; });
+    ADD_FAILURE() << "built although it was cancelled";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::Cancelled);
+  }
+  EXPECT_NE(makeTracedMesh(mesh), nullptr) << "the next is built as ever";
+}
+
+TEST_F(PreparedCacheTest, WhoWaitsIsServedWhenTheBuilderHasGone) {
+  PreparedCache cache(1u << 30, 1);
+  const RoundingChoice fine{RoundingMode::Mesh, 128, {}};
+  std::atomic<bool> gone = false;
+  std::jthread builder([&] { EXPECT_THROW(cache.get(scene_, fine, [&] { return gone.load(); }), Error); });
+  while (cache.state().builds == 0)
+    std::this_thread::yield();
+  std::jthread waiter([&] { EXPECT_NE(cache.get(scene_, fine, kNever), nullptr); });
+  while (cache.state().hits == 0)
+    std::this_thread::yield();
+  gone = true;
+  builder.join();
+  waiter.join();
+  EXPECT_EQ(cache.state().builds, 2u);
+  EXPECT_EQ(cache.state().entries, 1u);
 }
 
 } // namespace

@@ -98,6 +98,41 @@ TEST(RenderQueue, FreedSlotGoesToTheClientThatHoldsFewest) {
   EXPECT_EQ(order.size(), 3u);
 }
 
+TEST(RenderQueue, GreediestClientGivesUpAPlace) {
+  RenderQueue queue(1, 3);
+  auto running = std::make_optional(queue.acquire("greedy", kNever));
+  std::atomic<int> displaced = 0, served = 0;
+  std::vector<std::jthread> greedy;
+  for (unsigned i = 0; i < 3; ++i) {
+    greedy.emplace_back([&] {
+      try {
+        const RenderQueue::Slot slot = queue.acquire("greedy", kNever);
+        ++served;
+      } catch (const ProblemError& error) {
+        EXPECT_EQ(error.problem().status, 429);
+        EXPECT_GE(error.problem().retryAfterSeconds, 1);
+        EXPECT_EQ(error.problem().scarcity, Scarcity::FairShare);
+        ++displaced;
+      }
+    });
+    waitFor([&] { return queue.state().waiting == i + 1; });
+  }
+  EXPECT_EQ(test::problemFrom([&] { queue.acquire("greedy", kNever); }, 503).scarcity, Scarcity::RenderQueue);
+  std::jthread modest([&] {
+    const RenderQueue::Slot slot = queue.acquire("modest", kNever);
+    ++served;
+  });
+  waitFor([&] { return displaced == 1; });
+  EXPECT_EQ(queue.state().waiting, 3u);
+  // Two against one: another of the modest client's would make it as many.
+  test::problemFrom([&] { queue.acquire("modest", kNever); }, 503);
+  running.reset();
+  modest.join();
+  greedy.clear();
+  EXPECT_EQ(displaced, 1);
+  EXPECT_EQ(served, 3);
+}
+
 TEST(RenderQueue, NeverRunsMoreThanItsSlots) {
   RenderQueue queue(3, 64);
   std::atomic<int> running = 0, most = 0;

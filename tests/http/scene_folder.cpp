@@ -45,14 +45,35 @@ void SceneFolder::addCube(const std::string& name, double radius, double half) c
   round(name, radius);
 }
 
-std::string cubeObj(double half) {
-  std::ostringstream text;
-  text.precision(17);
+namespace {
+
+void putCube(std::ostream& out, double half, double x0, int firstVertex) {
   for (int z = -1; z <= 1; z += 2)
     for (int y = -1; y <= 1; y += 2)
       for (int x = -1; x <= 1; x += 2)
-        text << "v " << x * half << ' ' << y * half << ' ' << z * half << '\n';
-  text << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+        out << "v " << x * half + x0 << ' ' << y * half << ' ' << z * half << '\n';
+  for (const auto& face : {std::array{1, 3, 4, 2}, std::array{5, 6, 8, 7}, std::array{1, 2, 6, 5},
+                           std::array{3, 7, 8, 4}, std::array{1, 5, 7, 3}, std::array{2, 4, 8, 6}}) {
+    out << 'f';
+    for (const int corner : face)
+      out << ' ' << corner + firstVertex;
+    out << '\n';
+  }
+}
+
+} // namespace
+
+std::string cubeObj(double half) {
+  std::ostringstream text;
+  text.precision(17);
+  putCube(text, half, 0, 0);
+  return text.str();
+}
+
+std::string rowObj(int count) {
+  std::ostringstream text;
+  for (int i = 0; i < count; ++i)
+    putCube(text, 0.5, 2 * i, 8 * i);
   return text.str();
 }
 

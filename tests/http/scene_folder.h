@@ -30,5 +30,7 @@ private:
 
 /// OBJ text of an axis-aligned cube from -half to +half.
 std::string cubeObj(double half = 0.5);
+/// OBJ text of `count` such cubes of edge length 1 in a row.
+std::string rowObj(int count);
 
 } // namespace chamfer::test
