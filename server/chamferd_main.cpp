@@ -114,6 +114,13 @@ CLI::App* addRender(CLI::App& app, RenderCommandOptions& options) {
   render->add_option("--bounces", options.bounces, "Longest path")
       ->check(CLI::Range(0, 64))
       ->capture_default_str();
+  render
+      ->add_option(
+          "--clamp", options.indirectClamp,
+          "Largest value of one contribution of indirect light, against fireflies; biased: it darkens. 0: "
+          "none")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
   render->add_option("--rounding", options.rounding, "analytic, none, mesh:K or bevel:N")
       ->capture_default_str();
   render

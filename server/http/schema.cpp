@@ -46,6 +46,8 @@ constexpr ParameterRow kRows[] = {
     {"seed", "query", ParameterKind::Integer, "", "0", 0, 4294967295.0, false, "", "of the sampler"},
     {"bounces", "query", ParameterKind::Integer, "", "8", 0, 64, false, "",
      "longest path, in scattering events"},
+    {"clamp", "query", ParameterKind::Number, "radiance", "0", 0, 1e9, false, "",
+     "largest value of one contribution of indirect light, against fireflies; biased: it darkens. 0: none"},
     {"aov", "query", ParameterKind::Word, "", "beauty", 0, 0, false,
      "beauty|albedo|normal|geometric_normal|depth|feature|instance", "what the pixels hold"},
     {"rays", "body", ParameterKind::Numbers, "world units", "", -1e30, 1e30, false, "ox,oy,oz,dx,dy,dz",

@@ -99,6 +99,8 @@ void parseQueryInto(std::string_view text, TileRequest& request) {
       request.settings.seed = readInteger(parameterRow("seed"), value);
     else if (name == "bounces")
       request.settings.maxBounces = readInteger(parameterRow("bounces"), value);
+    else if (name == "clamp")
+      request.settings.indirectClamp = float(readNumber(parameterRow("clamp"), value));
     else if (name == "aov") {
       try {
         request.settings.aov = parseAov(value);
@@ -231,6 +233,7 @@ Digest answerDigest(const Digest& scene, const TileRequest& request) {
   text += std::string("|") + formatWord(request.format) + '|' + aovWord(s.aov) + '|' +
           roundingWord(request.rounding);
   text += '|' + (request.rounding.radius ? numberText(*request.rounding.radius) : std::string());
+  if (s.indirectClamp > 0) text += "|clamp " + numberText(double(s.indirectClamp));
   if (s.camera) {
     const Camera& c = *s.camera;
     for (const double number : {c.eye.x, c.eye.y, c.eye.z, c.target.x, c.target.y, c.target.z, c.up.x, c.up.y,

@@ -106,12 +106,18 @@ Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const 
 Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayStatistics& statistics) const {
   Color sum, throughput = grey(1);
   float scatterPdf = 0; // with which the last direction was drawn; 0: delta or camera
-  float etaScale = 1;   // undoes the compression of radiance in glass, for Russian roulette only
+  unsigned spread = 0;  // scatterings so far that were no deltas
+  const auto limited = [this](const Color& light, bool indirect) {
+    const float most = maxComponent(light);
+    return indirect && most > indirectClamp_ ? light * (indirectClamp_ / most) : light;
+  };
+  float etaScale = 1; // undoes the compression of radiance in glass, for Russian roulette only
   RayCount* count = &statistics.camera;
   for (unsigned bounce = 0;; ++bounce) {
     ++count->traced;
     const auto hit = tracer_.intersect(ray, from);
-    if (!hit) return sum + throughput * lights_.escaped(Vector3f(ray.direction), scatterPdf);
+    if (!hit)
+      return sum + limited(throughput * lights_.escaped(Vector3f(ray.direction), scatterPdf), spread > 1);
     ++count->hits;
     const SurfacePlace place = surfaces_.place(*hit);
     const Material& material = *place.material;
@@ -121,7 +127,8 @@ Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayS
       throughput *= transmittance(material.absorption, hit->t);
     if (material.emits()) {
       const float lightPdf = scatterPdf > 0 ? lights_.foundPdf(*hit, ray) : 0;
-      sum += throughput * material.emission * (lightPdf > 0 ? powerHeuristic(scatterPdf, lightPdf) : 1);
+      const float weight = lightPdf > 0 ? powerHeuristic(scatterPdf, lightPdf) : 1;
+      sum += limited(throughput * material.emission * weight, spread > 1);
     }
     if (bounce == maxBounces_) return sum;
 
@@ -130,7 +137,8 @@ Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayS
     const std::uint32_t pair = kFirstPathPair + bounce * kPairsPerBounce;
     const Float2 choice = sampler.pair(pair + kChoicePair);
     if (vertex.hasSmoothPart() && !lights_.empty())
-      sum += throughput * directLight(vertex, choice, sampler.pair(pair + kLightPair), statistics);
+      sum += limited(throughput * directLight(vertex, choice, sampler.pair(pair + kLightPair), statistics),
+                     spread > 0);
 
     const BsdfSample scattered = vertex.sample(choice.y, sampler.pair(pair + kScatterPair), ray.direction);
     if (!scattered.valid) return sum;
@@ -139,6 +147,7 @@ Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayS
     throughput *= scattered.weight;
     etaScale *= scattered.etaSquared;
     scatterPdf = scattered.pdf;
+    spread += !scattered.delta;
     if (bounce + 1 >= kRouletteFrom) {
       const float survive = std::min(1.f, maxComponent(throughput) * etaScale);
       if (!(sampler.pair(pair + kRoulettePair).x < survive)) return sum;

@@ -28,6 +28,9 @@ struct RenderSettings {
   unsigned firstSample = 0, endSample = 1; ///< samples s0 .. s1-1 of every pixel
   unsigned seed = 0;
   unsigned maxBounces = 8;
+  /// Largest component that any one contribution of indirect light may have; 0: unlimited. Takes fireflies
+  /// (bright light found by a rare path) at the price of a bias: the image gets darker, by what was cut off.
+  float indirectClamp = 0;
   Aov aov = Aov::Beauty;
   std::optional<Camera> camera; ///< nothing: the scene's
 };

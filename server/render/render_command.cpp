@@ -65,6 +65,7 @@ int runRenderCommand(const RenderCommandOptions& o) {
   settings.endSample = o.samples;
   settings.seed = o.seed;
   settings.maxBounces = o.bounces;
+  settings.indirectClamp = float(o.indirectClamp);
   settings.aov = parseAov(o.aov);
 
   RenderTimes times;

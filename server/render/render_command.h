@@ -17,6 +17,7 @@ struct RenderCommandOptions {
   unsigned samples = 64; ///< per pixel
   unsigned seed = 0;
   unsigned bounces = 8;
+  double indirectClamp = 0;          ///< 0: none; see RenderSettings
   std::string rounding = "analytic"; ///< parseRounding()'s words
   std::string aov = "beauty";        ///< parseAov()'s words
   std::optional<double> radius;      ///< mesh units; nothing: the sidecar's

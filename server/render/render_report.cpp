@@ -76,6 +76,7 @@ std::string reportJson(const RenderReport& r) {
   j["samples_per_pixel"] = s.endSample - s.firstSample;
   j["samples"] = std::uint64_t(sampleCount(s));
   j["bounces"] = s.maxBounces;
+  j["clamp"] = s.indirectClamp;
   j["seed"] = s.seed;
   j["rounding"] = roundingWord(r.rounding);
   j["radius"] = r.rounding.radius ? Json(*r.rounding.radius) : Json();

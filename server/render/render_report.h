@@ -28,7 +28,7 @@ struct RenderReport {
 std::string reportText(const RenderReport& report);
 
 /// One object: output, scene, id, width, height, samples_per_pixel, samples (pixels times that), bounces,
-/// seed, rounding, radius (null: the scene's), aov; seconds {load, prepare, render, write};
+/// clamp, seed, rounding, radius (null: the scene's), aov; seconds {load, prepare, render, write};
 /// samples_per_second and rays_per_second (of the render alone); rays {camera, bounce, shadow, all: {traced,
 /// hits, rounded, rounded_share}}, rounded_share being rounded / traced; triangles (traced, over all
 /// instances), memory_bytes (geometry, hierarchies, roundings, textures, lights), peak_resident_bytes (of the

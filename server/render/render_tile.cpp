@@ -43,6 +43,7 @@ void validate(const RenderSettings& s, const TileRect& t) {
     fail("the tile " + std::to_string(t.x) + "," + std::to_string(t.y) + "," + std::to_string(t.width) + "," +
          std::to_string(t.height) + " is not within the frame of " + std::to_string(s.width) + "x" +
          std::to_string(s.height));
+  if (!(s.indirectClamp >= 0)) fail("the clamp of indirect light must not be below 0");
   if (s.firstSample >= s.endSample)
     fail("the sample range " + std::to_string(s.firstSample) + "-" + std::to_string(s.endSample) +
          " is empty");
@@ -55,7 +56,7 @@ public:
       : surfaces_(prepared.surfaces()), tracer_(prepared.tracer()), settings_(settings), tile_(tile),
         control_(control), camera_(settings.camera ? *settings.camera : prepared.scene().camera,
                                    settings.width, settings.height),
-        paths_(surfaces_, tracer_, prepared.lights(), settings.maxBounces),
+        paths_(surfaces_, tracer_, prepared.lights(), settings.maxBounces, settings.indirectClamp),
         columns_((tile.width + kBlock - 1) / kBlock),
         blocks_(columns_ * ((tile.height + kBlock - 1) / kBlock)) {
     // All rays of a pinhole start at the eye: whether that is in a sliver is asked once.

@@ -25,7 +25,7 @@ TileRequest frame(const std::string& path, const std::string& query = "") {
 TEST(TileRequest, ReadsEveryPart) {
   const TileRequest request = tile("/640x480/32,16,64,48/4-12.exr",
                                    "camera=1,2,3,4,5,6,0,0,1,35.5,0.01,7&rounding=mesh:3&radius=2.5e-2&seed=7"
-                                   "&bounces=0&aov=normal");
+                                   "&bounces=0&clamp=2.5&aov=normal");
   EXPECT_EQ(request.settings.width, 640u);
   EXPECT_EQ(request.settings.height, 480u);
   EXPECT_EQ(request.tile.x, 32u);
@@ -41,6 +41,7 @@ TEST(TileRequest, ReadsEveryPart) {
   EXPECT_EQ(request.rounding.radius, 0.025);
   EXPECT_EQ(request.settings.seed, 7u);
   EXPECT_EQ(request.settings.maxBounces, 0u);
+  EXPECT_EQ(request.settings.indirectClamp, 2.5f);
   EXPECT_EQ(request.settings.aov, Aov::Normal);
   ASSERT_TRUE(request.settings.camera);
   EXPECT_EQ(request.settings.camera->eye, Point3(1, 2, 3));
@@ -123,8 +124,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{kGood, "seed=1.5", 400, "seed", "1.5"}, Refusal{kGood, "seed=-1", 400, "seed", "-1"},
         Refusal{kGood, "seed= 1", 400, "seed", " 1"},
         Refusal{kGood, "seed=4294967296", 422, "seed", "4294967296"},
-        Refusal{kGood, "bounces=65", 422, "bounces", "65"}, Refusal{kGood, "radius=x", 400, "radius", "x"},
-        Refusal{kGood, "radius=", 400, "radius", ""}, Refusal{kGood, "radius=0.1x", 400, "radius", "0.1x"},
+        Refusal{kGood, "bounces=65", 422, "bounces", "65"}, Refusal{kGood, "clamp=-1", 422, "clamp", "-1"},
+        Refusal{kGood, "radius=x", 400, "radius", "x"}, Refusal{kGood, "radius=", 400, "radius", ""},
+        Refusal{kGood, "radius=0.1x", 400, "radius", "0.1x"},
         Refusal{kGood, "radius=0x1p3", 400, "radius", "0x1p3"},
         Refusal{kGood, "radius=0", 422, "radius", "0"}, Refusal{kGood, "radius=-1", 422, "radius", "-1"},
         Refusal{kGood, "radius=nan", 422, "radius", "nan"},
@@ -168,9 +170,9 @@ TEST(TileRequest, DigestNamesTheAnswerNotItsSpelling) {
   // Everything that changes the bytes changes it.
   for (const char* query :
        {"", "camera=1,2,3,0,0,0,0,0,1,41", "camera=1,2,3,0,0,0,0,0,1,40&seed=1",
-        "camera=1,2,3,0,0,0,0,0,1,40&bounces=7", "camera=1,2,3,0,0,0,0,0,1,40&aov=depth",
-        "camera=1,2,3,0,0,0,0,0,1,40&radius=0.1", "camera=1,2,3,0,0,0,0,0,1,40&rounding=none",
-        "camera=1,2,3,0,0,0,0,0,1,40&rounding=mesh:8"})
+        "camera=1,2,3,0,0,0,0,0,1,40&bounces=7", "camera=1,2,3,0,0,0,0,0,1,40&clamp=7",
+        "camera=1,2,3,0,0,0,0,0,1,40&aov=depth", "camera=1,2,3,0,0,0,0,0,1,40&radius=0.1",
+        "camera=1,2,3,0,0,0,0,0,1,40&rounding=none", "camera=1,2,3,0,0,0,0,0,1,40&rounding=mesh:8"})
     EXPECT_NE(base, digest(kGood, query)) << query;
   for (const char* path : {"/65x64/0,0,64,64/0-1.png", "/64x65/0,0,64,64/0-1.png", "/64x64/1,0,63,64/0-1.png",
                            "/64x64/0,0,64,64/0-2.png", "/64x64/0,0,64,64/0-1.f16"})

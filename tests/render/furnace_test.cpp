@@ -26,6 +26,7 @@ struct View {
   Camera camera;
   unsigned samples = 64, seeds = 12, bounces = 8;
   RoundingChoice rounding;
+  float clamp = 0;
 };
 
 Estimate measure(const std::shared_ptr<const Scene>& scene, const View& view) {
@@ -34,6 +35,7 @@ Estimate measure(const std::shared_ptr<const Scene>& scene, const View& view) {
   s.width = s.height = 16;
   s.endSample = view.samples;
   s.maxBounces = view.bounces;
+  s.indirectClamp = view.clamp;
   s.camera = view.camera;
   double sum = 0, squares = 0;
   for (s.seed = 0; s.seed < view.seeds; ++s.seed) {
@@ -216,6 +218,23 @@ TEST(ClosedBox, BouncesAreCounted) { // E (1 + rho + ... + rho^n)
     const Estimate e = measure(scene, view);
     EXPECT_TRUE(e.agreesWith(truth)) << bounces << " " << e.text();
   }
+}
+
+TEST(IndirectClamp, CutsIndirectLightAndNothingElse) {
+  const TemporaryFolder folder;
+  View view;
+  view.camera = lookAt({0.3, -0.5, 0.2}, {0, 1, -0.3}, 70);
+  view.bounces = 1;
+  const auto scene = loadText(folder, closedBox(1, 0.5, R"(,"radius":0.3)")); // found by scattering alone
+  view.clamp = 0.1f;
+  EXPECT_TRUE(measure(scene, view).agreesWith(1.5)) << "emission and direct light are left alone";
+  // The third hit adds 0.25; the fourth, which roulette lets one path in eight get to, 1.
+  view.bounces = 3;
+  EXPECT_TRUE(measure(scene, view).agreesWith(1.5 + 0.1 + 0.1 / 8)) << measure(scene, view).text();
+  view.clamp = 0.2f;
+  EXPECT_TRUE(measure(scene, view).agreesWith(1.5 + 0.2 + 0.2 / 8)) << measure(scene, view).text();
+  view.clamp = 0;
+  EXPECT_TRUE(measure(scene, view).agreesWith(1.875)) << "0: none";
 }
 
 TEST(ClosedBox, TheJudgeRejectsOneHalfPercent) {

@@ -185,6 +185,53 @@ TEST(Lights, DensitiesOfFoundAndOfSampledLightsAgree) {
   }
 }
 
+TEST(TriangleLights, DirectionsFollowTheDensity) {
+  // Near (a spherical triangle), nearer than its size, and so far that points are drawn by area; few
+  // triangles, each weighed at the point, and many.
+  for (const bool many : {false, true})
+    for (const Point3& p : {Point3(0, 0, 0), Point3(0.3, 0.5, 0.8), Point3(2.5, -1, -3.5)}) {
+      const TriangleLights lights(many ? tiles(2) : quad(2), 4);
+      const auto density = [&](const Vector3f& w) {
+        const Vector3 d = normalize(Vector3(w));
+        TraceHit hit{};
+        hit.t = (1 - p.z) / d.z;
+        hit.position = p + d * hit.t;
+        const double x = hit.position.x, y = hit.position.y;
+        if (!(hit.t > 0) || std::max(std::abs(x), std::abs(y)) > 1) return 0.f;
+        hit.normal = {0, 0, 1};
+        hit.solid = kNone;
+        hit.triangle = x + y < 0 ? 0 : 1;
+        if (many) {
+          const double i = std::min(std::floor((x + 1) * 4), 7.0), j = std::min(std::floor((y + 1) * 4), 7.0);
+          hit.triangle = std::uint32_t(2 * (8 * j + i)) + ((x + 1) * 4 - i + (y + 1) * 4 - j < 1 ? 0 : 1);
+        }
+        return lights.foundPdf(hit, {p, d});
+      };
+      // Cells divide a cone about the light: 1 - cosine within it is stretched over the sphere.
+      const Vector3 middle = Point3(0, 0, 1) - p;
+      const Frame frame{Vector3f(normalize(middle))};
+      const auto opening = float(1 - std::cos(std::min(1.6, 2.4 / length(middle))));
+      const auto withCosine = [](const Vector3f& v, float z) {
+        const float s = std::sqrt(std::max(0.f, 1 - z * z)) / std::max(std::hypot(v.x, v.y), 1e-20f);
+        return Vector3f(v.x * s, v.y * s, z);
+      };
+      const auto result = test::directionChiSquared(
+          [&](UniformNumbers& u) -> std::optional<Vector3f> {
+            const float choice = u();
+            const LightSample s = lights.sample(p, choice, u.pair());
+            const Vector3f local = frame.toLocal(Vector3f(normalize(s.toLight)));
+            if (1 - local.z > opening) return {};
+            return withCosine(local, 1 - (1 - local.z) * 2 / opening);
+          },
+          [&](const Vector3f& v) {
+            return density(frame.toWorld(withCosine(v, 1 - (1 - v.z) / 2 * opening))) * opening / 2;
+          },
+          100000, 20, 20, 64);
+      EXPECT_GT(result.pValue, test::kSignificance) << many << " at " << p.z << ": " << result.text();
+      EXPECT_GT(result.cells, 30u);
+    }
+}
+
 TEST(SphericalTriangle, DirectionsAreUniformOverItsSolidAngle) {
   const Vector3 octant[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   EXPECT_NEAR(SphericalTriangle(octant[0], octant[1], octant[2]).solidAngle(), std::numbers::pi / 2, 1e-12);

@@ -1,5 +1,6 @@
 // Warps, tables, filter: each against its density.
 #include "server/render/albedo_table.h"
+#include "server/render/camera.h"
 #include "server/render/distribution.h"
 #include "server/render/pixel_filter.h"
 #include "tests/render/direction_chi_squared.h"
@@ -128,6 +129,35 @@ TEST(PixelFilter, IsBlackmanHarris) {
     sum += expected[std::size_t(i)] = window(PixelFilter::kRadius * (2 * (i + 0.5) / kCells - 1));
   for (double& e : expected)
     e *= kSamples / sum;
+  const auto result = test::chiSquared(observed, expected);
+  EXPECT_GT(result.pValue, kSignificance) << result.text();
+}
+
+TEST(CameraRays, StartAllOverTheApertureAndMeetInFocus) {
+  Camera camera;
+  camera.eye = {1, 2, 3};
+  camera.target = {1, 7, 3};
+  camera.apertureDiameter = 0.5;
+  camera.focusDistance = 4;
+  const CameraRays rays(camera, 64, 48);
+  constexpr int kRings = 12, kSectors = 16, kSamples = 100000;
+  std::vector<double> observed(kRings * kSectors);
+  UniformNumbers u(13);
+  std::optional<Point3> meeting;
+  for (int i = 0; i < kSamples; ++i) {
+    const Ray ray = rays.ray(20.25, 11.5, u.pair());
+    const Vector3 d = ray.origin - camera.eye;
+    ASSERT_NEAR(d.y, 0, 1e-12) << "on the lens";
+    const double share = (d.x * d.x + d.z * d.z) / (0.25 * 0.25); // of the area within
+    ASSERT_LE(share, 1 + 1e-6);
+    const double turn = std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5;
+    ++observed[std::min(std::size_t(share * kRings), std::size_t(kRings - 1)) * kSectors +
+               std::min(std::size_t(turn * kSectors), std::size_t(kSectors - 1))];
+    const Point3 inFocus = ray.at((6 - ray.origin.y) / ray.direction.y);
+    if (!meeting) meeting = inFocus;
+    ASSERT_LT(length(inFocus - *meeting), 1e-6) << "all meet on the focal plane";
+  }
+  const std::vector<double> expected(observed.size(), double(kSamples) / double(observed.size()));
   const auto result = test::chiSquared(observed, expected);
   EXPECT_GT(result.pValue, kSignificance) << result.text();
 }
