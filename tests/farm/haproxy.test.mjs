@@ -87,7 +87,7 @@ function share(log) {
 }
 
 async function until(condition, what) {
-  for (const began = Date.now(); !(await condition()); await sleep(50))
+  for (const began = Date.now(); !(await condition()); await sleep(10))
     assert.ok(Date.now() - began < PATIENCE_MS, `${what} within ${PATIENCE_MS / 1000} s`);
 }
 
@@ -163,6 +163,29 @@ test('who waits least asked is served first', async () => {
   assert.ok(others < many.length * 0.75, `${others} of ${many.length} came before it`);
   await crowd;
   await assertHealthy();
+});
+
+test('a client that leaves frees its slot through HAProxy too', async (t) => {
+  const running = async () => {
+    const queues = await Promise.all(nodes.map((node) => askJson(`${node.url}/v1/info`)));
+    return queues.reduce((sum, { queue }) => sum + queue.running, 0);
+  };
+  const minutesLong = tiles[0].replace(/tiles.*/, 'tiles/4096x4096/0,0,1024,1024/0-1024.f16');
+  let leave;
+  const answer = ask(proxy.url + minutesLong, { cancel: (f) => (leave = f) }).catch(() => 'left');
+  await until(async () => (await running()) === 1, 'it is rendered');
+  const began = performance.now();
+  leave();
+  await until(async () => (await running()) === 0, 'the slot is free');
+  const ms = performance.now() - began;
+  t.diagnostic(`slot free after ${Math.round(ms)} ms`);
+  assert.ok(ms < 1_000);
+  assert.equal(await answer, 'left');
+});
+
+test("a node's metrics are not for everybody", async () => {
+  assert.equal((await ask(`${nodes[0].url}/metrics`)).status, 200);
+  assert.equal((await ask(`${proxy.url}/metrics`)).status, 404);
 });
 
 test('without any node the answer is 503 and says when to come back', async () => {

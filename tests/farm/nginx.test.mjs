@@ -99,6 +99,11 @@ test('errors and redirects are not kept', async () => {
   }
 });
 
+test("a node's metrics are not for everybody", async () => {
+  assert.equal((await ask(`${node.url}/metrics`, { headers: AUTHORIZED })).status, 200);
+  assert.equal((await fetchPath('/metrics')).status, 404);
+});
+
 test('nobody without a key is served from the cache', async () => {
   const path = `${scene}/tiles/64x64/0,0,64,64/0-1.png`;
   assert.equal((await fetchPath(path)).status, 200);
