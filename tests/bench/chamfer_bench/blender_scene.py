@@ -7,9 +7,9 @@ The job: {"scene", "edges": "sharp" | "bevel-node" | "bevel-modifier", "probes",
 What is mapped how:
   material      Principled BSDF with GGX: base colour, metallic, roughness (GGX alpha is its square in both), specular so that
                 the reflectance at normal incidence is ours, transmission, IOR, emission; absorption as an absorbing volume
-  its base      Diffuse BSDF beside a Principled BSDF without base: Lambert's law as ours, times what the coat leaves of
-                diffuse light, 1 - (F0 + (1 - F0) / 21) by Schlick's formula. The base of Blender 3.4's Principled BSDF
-                gives nothing to the coat and is bright at grazing angles: with it, pictures came out 8 to 15 % brighter
+  its base      Diffuse BSDF beside a Principled BSDF without base: Lambert's law, times what the coat leaves of even light,
+                which is what our base is on average. The base of Blender 3.4's Principled BSDF gives nothing to the coat and
+                is bright at grazing angles: with it, pictures came out 8 to 15 % brighter
   area light    a two-sided emitting quad, as ours: radiance = emission
   directional   a sun: strength = irradiance, angle = angular diameter
   sky           the same three colours by nodes; left to scattered rays, as ours when its contrast is low
@@ -75,6 +75,20 @@ def coat_reflectance(description):
     return min(1.0, 2 * description.get("specular", 0.5) * ((ior - 1) / (ior + 1)) ** 2)
 
 
+def coat_albedo(reflectance, roughness):
+    """Share of even light that a GGX coat reflects: Karis' fit of the albedo by direction ("Physically Based Shading on Mobile",
+    2014), averaged over the hemisphere."""
+    if reflectance == 0:
+        return 0.0
+    x, y, z, w = (roughness * a + b for a, b in ((-1, 1), (-0.0275, 0.0425), (-0.572, 1.04), (0.022, -0.04)))
+    total, steps = 0.0, 64
+    for i in range(steps):
+        cosine = (i + 0.5) / steps
+        common = min(x * x, 2 ** (-9.28 * cosine)) * x + y
+        total += 2 * cosine / steps * (reflectance * (-1.04 * common + z) + 1.04 * common + w)
+    return total
+
+
 class SceneBuilder:
     def __init__(self, job):
         self.job = job
@@ -121,8 +135,7 @@ class SceneBuilder:
         if any(description.get(key, 0) for key in ("metallic", "transmission")):
             return [principled.inputs["Normal"]]
         principled.inputs["Base Color"].default_value = (0, 0, 0, 1)  # the coat alone
-        reflectance = coat_reflectance(description)
-        left = 1 - (reflectance + (1 - reflectance) / 21 if reflectance > 0 else 0)
+        left = 1 - coat_albedo(coat_reflectance(description), description.get("roughness", 0.5))
         base, both = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeAddShader")
         base.inputs["Color"].default_value = (*(left * c for c in color(description.get("base_color", 0.8))), 1)
         links.new(base.outputs["BSDF"], both.inputs[0])
