@@ -148,8 +148,8 @@ test('a node that drains finishes what it has and costs nobody anything', async 
   nodes[1] = await startServer(paths.chamferd, root.root, nodes[1].port, NODE_OPTIONS);
 });
 
-test('who waits least asked is served first', async () => {
-  // One client fills the nodes and HAProxy's queue; another's single request does not wait behind all of it.
+test('one request of a client is not kept waiting by the many of another', async () => {
+  // The crowd fills the nodes' queues and HAProxy's.
   let others = 0;
   const many = Array.from({ length: 2 * tiles.length }, (_, i) => `${tiles[i % tiles.length]}?seed=${i}`);
   const crowd = inParallel(many, many.length, async (path) => {
