@@ -23,8 +23,9 @@ constexpr const char* kDescription =
     "the id that it stands for now.\n\n"
     "Every answer carries X-Request-Id: the request's own, where it is up to 64 letters, digits, '-', '_' or "
     "'.', else a new one. Errors are application/problem+json (RFC 9457). 503 and Retry-After: try again. "
-    "HEAD answers as GET without a body, and without rendering. No CORS header is sent: pages of other "
-    "sites cannot use the server unless a proxy in front adds them. Bodies need a Content-Length and no "
+    "HEAD answers as GET without a body, and without rendering. No CORS header is sent and what pages of "
+    "other sites ask for (Sec-Fetch-Site) is refused, unless a proxy in front arranges it. Bodies need a "
+    "Content-Length and no "
     "Content-Encoding; ranges are not served.";
 
 constexpr std::string_view kCommonStatuses = "400 405 414 431 503";
@@ -186,8 +187,8 @@ Json responsesOf(const RouteRow& route, const std::string& method) {
     responses["204"] = {{"description", "Allow names the methods"},
                         {"headers", {{"Allow", {{"schema", {{"type", "string"}}}}}}}};
   std::string statuses = std::string(route.statuses) + ' ' + std::string(kCommonStatuses);
-  if (!route.anyHost) statuses += " 421";
-  if (route.needsKey) statuses += " 401 403";
+  if (!route.anyHost) statuses += " 403 421";
+  if (route.needsKey) statuses += " 401";
   auto sorted = words(statuses);
   std::sort(sorted.begin(), sorted.end());
   for (const std::string& status : sorted) {

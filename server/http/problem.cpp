@@ -16,7 +16,7 @@ const char* problemTitle(int status) {
   case 401:
     return "Key needed";
   case 403:
-    return "Key refused";
+    return "Refused";
   case 404:
     return "Not found";
   case 405:

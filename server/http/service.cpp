@@ -151,7 +151,10 @@ Response Service::answer(Request& request, const Problem* refusal) {
 Response Service::route(const Request& request, const RouteRow*& row) {
   row = fixedRoute(request.path);
   // Health is asked for by whatever name the balancer has for this server.
-  if (!row || !row->anyHost) checkHost(request);
+  if (!row || !row->anyHost) {
+    checkHost(request);
+    checkSite(request);
+  }
   if (!row || row->needsKey) checkKey(request);
   if (row) {
     allow(request, *row);
@@ -253,6 +256,18 @@ void Service::checkHost(const Request& request) const {
   problem.detail = "this server does not answer for that host; start it with --allow-host to add a name";
   problem.parameter = "Host";
   problem.value = *host;
+  throw ProblemError(problem);
+}
+
+/// Browsers tell when a page of another site asks (Fetch Metadata, W3C). It could not read the answer, but it
+/// could have this server render. Links from there are followed.
+void Service::checkSite(const Request& request) const {
+  const std::string *site = request.header("sec-fetch-site"), *mode = request.header("sec-fetch-mode");
+  if (!site || *site != "cross-site" || (mode && *mode == "navigate")) return;
+  Problem problem;
+  problem.status = 403;
+  problem.kind = "cross-site";
+  problem.detail = "pages of other sites are not answered; serve yours and this from one origin";
   throw ProblemError(problem);
 }
 

@@ -39,6 +39,7 @@ private:
   Response ready() const;
   Response metricsText() const;
   void checkHost(const Request& request) const;
+  void checkSite(const Request& request) const;
   void checkKey(const Request& request) const;
   std::string newRequestId();
 

@@ -13,6 +13,7 @@ import gltf from 'gltf-validator';
 
 import { ask } from '../support/http.mjs';
 import { makeRoot, startServer } from '../support/server.mjs';
+import { around, probesOf } from './probes.mjs';
 
 const { values: paths } = parseArgs({
   options: { chamferd: { type: 'string' }, chamferprep: { type: 'string' }, data: { type: 'string' } },
@@ -172,77 +173,17 @@ test('keys and hosts answer as documented', async () => {
   }
 });
 
-/** Values that make the others fit a probed one. */
-function around(name, value) {
-  const number = Number.isInteger(Number(value)) ? Number(value) : 0;
-  const largest = (parameter) => info.parameters.find((row) => row.name === parameter).limits.maximum;
-  switch (name) {
-    case 'width':
-    case 'height':
-      return { width: 1, height: 1 };
-    case 'x':
-      return { width: Math.max(1, Math.min(number + 1, largest('width'))), height: 1 };
-    case 'y':
-      return { width: 1, height: Math.max(1, Math.min(number + 1, largest('height'))) };
-    case 'w':
-      return { width: Math.max(1, Math.min(number, largest('width'))), height: 1 };
-    case 'h':
-      return { width: 1, height: Math.max(1, Math.min(number, largest('height'))) };
-    case 's0':
-      return { s1: Math.max(1, Math.min(number + 1, largest('s1'))) };
-    case 's1':
-      return { s0: Math.max(0, Math.min(number - 1, largest('s0'))) };
-    default:
-      return {};
-  }
-}
-
-/** Values of a schema: [inside...], [[outside, status]...]; `[value, name]` where another name is at fault. */
-function probes({ name, schema }) {
-  if (schema.enum) return { inside: schema.enum, outside: [['frob', 400], ['', 400], [schema.enum[0].toUpperCase(), 400]] };
-  if (schema.pattern) return { inside: ['analytic', 'none', 'mesh:1', 'mesh:256', 'bevel:1', 'bevel:256'],
-      outside: [['frob', 400], ['mesh', 400], ['mesh:257', 422], ['bevel:0', 422], ['bevel:257', 422]],
-    };
-  if (schema.type === 'array') {
-    const numbers = [3, -3, 2, 0, 0, 0, 0, 0, 1, 40, 0.1, 3];
-    const put = (i, value) => numbers.with(i, value).join();
-    const inside = [numbers.slice(0, schema.minItems).join(), numbers.join()];
-    const outside = [[numbers.slice(0, 9).join(), 400], [numbers.slice(0, 11).join(), 400], [[...numbers, 1].join(), 400]];
-    schema.prefixItems.slice(0, 3).forEach((item, i) => {
-      for (const limit of ['minimum', 'maximum']) {
-        // From high above, up is still sideways.
-        inside.push(put(i, item[limit]).replace(',0,0,1,40', ',1,1,1,40'));
-        outside.push([put(i, item[limit] * 1.001), 422]);
-      }
-    });
-    const angle = schema.prefixItems[9];
-    inside.push(put(9, angle.minimum), put(9, angle.maximum));
-    outside.push([put(9, angle.minimum * 0.99), 422, angle.title], [put(9, angle.maximum * 1.01), 422, angle.title]);
-    return { inside, outside };
-  }
-  if (name === 'radius') {
-    // The scene's own limit comes before the document's.
-    const { max } = scene.radius;
-    return { inside: [max * 1e-3, max * 0.999], outside: [[0, 422], [-1, 422], [max, 422], [schema.maximum * 1.001, 422], ['x', 400]] };
-  }
-  if (schema.type === 'integer') {
-    const { minimum, maximum } = schema;
-    const below = minimum === 0 ? [-1, 400] : [minimum - 1, 422];
-    const outside = [below, [maximum + 1, 422], ['99999999999999999999', 422], ['1.5', 400], ['007', 400], ['+1', 400], ['', 400]];
-    return { inside: [minimum, maximum], outside };
-  }
-  return null;
-}
-
 test('every parameter works up to its limits and is refused beyond them', async () => {
   let probed = 0;
+  const largest = (parameter) => info.parameters.find((row) => row.name === parameter).limits.maximum;
   for (const [template, operations] of Object.entries(doc.paths)) {
     for (const parameter of operations.get?.parameters ?? []) {
       const { name } = parameter;
-      if (parameter.schema.type === 'string' && !parameter.schema.enum && !parameter.schema.pattern) continue; // names
-      const { inside, outside } = probes(parameter);
+      const probes = probesOf(parameter, scene.radius.max);
+      if (!probes) continue;
+      const { inside, outside } = probes;
       const pathWith = (value) => {
-        const path = fill(template, { ...around(name, value), [name]: value });
+        const path = fill(template, { ...around(name, value, largest), [name]: value });
         return parameter.in === 'path' ? path : `${path}?${name}=${encodeURIComponent(value)}`;
       };
       for (const value of inside) {
@@ -252,8 +193,9 @@ test('every parameter works up to its limits and is refused beyond them', async 
       }
       for (const [value, status, blamed = name] of outside) {
         const answer = await send(pathWith(value));
-        // An empty or cut part may be read as that of another form of the path.
-        await assertProblem(answer, status, value === '' || value === '+1' || value === -1 ? '' : blamed, pathWith(value));
+        // What breaks the form of the path is blamed on the first parameter of that part.
+        const formless = ['', '+1', -1].includes(value);
+        await assertProblem(answer, status, formless ? '' : blamed, pathWith(value));
         probed++;
       }
       if (parameter.in === 'query') {
@@ -308,7 +250,8 @@ test('the body of a batch of rays is read as documented', async () => {
   for (const [body, status] of bad) {
     const answer = await send(fill(template), jsonBody(body));
     await assertProblem(answer, status, '', JSON.stringify(body).slice(0, 80));
-    if (typeof body === 'object' && body.radius !== scene.radius.max) assert.ok(!valid(body), JSON.stringify(body).slice(0, 80));
+    const documented = typeof body === 'object' && body.radius !== scene.radius.max; // that limit is the scene's
+    if (documented) assert.ok(!valid(body), JSON.stringify(body).slice(0, 80));
   }
   const untyped = await send(fill(template), { method: 'POST', body: '{}' });
   await assertProblem(untyped, 415, '', 'no content type');
@@ -327,29 +270,25 @@ test('the limits of /v1/info are those of the document and of the server', async
   const paddedTo = (bytes) => JSON.stringify({ rays: [] }).padEnd(bytes);
   const fields = (count) => Object.fromEntries(Array.from({ length: count }, (_, i) => [`X-${i}`, 'a']));
   const framing = 2; // Host and Connection, which the client adds
+  const { tile_pixels, frame_pixels, request_samples } = limits;
+  // Each: a request of so many, that many, one more (or the next that can be asked for), the status of the latter.
   const probes = {
-    tile_pixels: [() => head(tile, sized(limits.tile_pixels / 64, 64)), () => head(tile, sized(limits.tile_pixels / 64, 65)), 422],
-    frame_pixels: [() => head(frame, sized(limits.frame_pixels / 4096, 4096)), () => head(frame, sized(limits.frame_pixels / 4096, 4097)), 422],
-    request_samples: [
-      () => head(tile, { ...sized(256, 256), s1: limits.request_samples / 65536 }),
-      () => head(tile, { ...sized(256, 256), s1: limits.request_samples / 65536 + 1 }),
-      422,
-    ],
-    rays: [
-      () => send(rays, jsonBody({ rays: Array(limits.rays).fill(RAYS.rays[0]) })),
-      () => send(rays, jsonBody({ rays: Array(limits.rays + 1).fill(RAYS.rays[0]) })),
-      422,
-    ],
-    body_bytes: [() => send(rays, jsonBody(paddedTo(limits.body_bytes))), () => send(rays, jsonBody(paddedTo(limits.body_bytes + 1))), 413],
-    target_bytes: [() => send(`/livez?${'a'.repeat(limits.target_bytes - 7)}`), () => send(`/livez?${'a'.repeat(limits.target_bytes - 6)}`), 414],
+    tile_pixels: [(rows) => head(tile, sized(tile_pixels / 64, rows)), 64, 65, 422],
+    frame_pixels: [(rows) => head(frame, sized(frame_pixels / 4096, rows)), 4096, 4097, 422],
+    request_samples: [(s1) => head(tile, { ...sized(256, 256), s1 }), request_samples / 65536, request_samples / 65536 + 1, 422],
+    rays: [(count) => send(rays, jsonBody({ rays: Array(count).fill(RAYS.rays[0]) })), limits.rays, limits.rays + 1, 422],
+    body_bytes: [(bytes) => send(rays, jsonBody(paddedTo(bytes))), limits.body_bytes, limits.body_bytes + 1, 413],
+    target_bytes: [(bytes) => send('/livez?'.padEnd(bytes, 'a')), limits.target_bytes, limits.target_bytes + 1, 414],
     header_fields: [
-      () => send('/livez', { headers: fields(limits.header_fields - framing) }),
-      () => send('/livez', { headers: fields(limits.header_fields - framing + 1) }),
+      (count) => send('/livez', { headers: fields(count - framing) }),
+      limits.header_fields,
+      limits.header_fields + 1,
       431,
     ],
     head_bytes: [
-      () => send('/livez', { headers: { 'X-Long': 'a'.repeat(limits.head_bytes - 200) } }),
-      () => send('/livez', { headers: { 'X-Long': 'a'.repeat(limits.head_bytes) } }),
+      (bytes) => send('/livez', { headers: { 'X-Long': 'a'.repeat(bytes) } }),
+      limits.head_bytes - 200,
+      limits.head_bytes,
       431,
     ],
   };
@@ -357,9 +296,9 @@ test('the limits of /v1/info are those of the document and of the server', async
   // hardening_test.
   const elsewhere = ['deadline_seconds', 'connections', 'preview_bytes', 'explicit_triangles'];
   assert.deepEqual([...Object.keys(probes), ...elsewhere].sort(), Object.keys(limits).sort());
-  for (const [name, [inside, outside, status]] of Object.entries(probes)) {
-    assert.equal((await inside()).status, 200, name);
-    const answer = await outside().catch((error) => error);
+  for (const [name, [request, inside, outside, status]] of Object.entries(probes)) {
+    assert.equal((await request(inside)).status, 200, name);
+    const answer = await request(outside).catch((error) => error);
     // A client that is still sending may see the connection end before the answer.
     if (answer instanceof Error) assert.match(`${answer.code}`, /ECONNRESET|EPIPE/, name);
     else await assertProblem(answer, status, '', name);

@@ -256,7 +256,8 @@ test('a server with keys is asked with one, which the tab keeps', async () => {
     await guarded.stop();
   }
   // The browser itself reports refusals, and the 503 of a draining server.
-  const others = faults.filter((fault) => !/status of (401|403|503)|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET/.test(fault));
+  const expected = /status of (401|403|503)|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET/;
+  const others = faults.filter((fault) => !expected.test(fault));
   faults.length = 0;
   assert.deepEqual(others, []);
 });

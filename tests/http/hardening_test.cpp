@@ -1,30 +1,29 @@
 // Attacks, each followed by proof that the server still answers at once and renders the right tile
-// (ServerTest::expectServing). What the HTTP library and its like are known to get wrong, and where each is
-// shown to be closed:
+// (ServerTest::expectServing). What the HTTP library and its like are known to get wrong, and the tests that
+// show it closed:
 //
-//   header shadowing                      Hardening.RepeatedFieldsAreNotShadowed, .FieldsDoNotNameTheClient
-//   gzip bomb, Content-Encoding           Server.RefusesHostileFramingAndLives (415), RequestHead
-//   exception text sent to the client     Hardening.NothingOfALibraryReachesAClient, RayList.BrokenJson...
-//   percent-decoded CR LF in headers      Server.HeadersCannotBeInjected, RequestHead.ValuesAreNotDecoded
-//   smuggling: GET body, TE + CL, CL + CL Hardening.SmuggledRequestsAreNotSeen, Server, RequestHead
-//   500 ranges on one answer              Server.RangesAndCompressionAreIgnored
-//   chunked bodies                        Server.RefusesHostileFramingAndLives (411)
-//   huge and endless heads                Server.RefusesHostileFramingAndLives (431),
-//   Hardening.EndlessHead... slow and idle connections             Server.IdleAndSlow...,
-//   Server.SlowAndIdle..., Server.LongestIdle... clients that read nothing
-//   Server.ClientThatReadsNothingIsDropped, Server.UnreadAnswers... floods of pipelined requests
-//   Hardening.PipelinedFloodIsAnsweredInOrder other protocols on the port
-//   Hardening.OtherProtocolsAreTurnedAway path traversal: .. %2e %5c NUL links  Hardening.NoPathLeadsOut,
-//   .LinksOfASceneDoNotLeadOut, CatalogueScan DNS rebinding Routes.OtherHostsAreNotAnswered,
-//   Hardening.HostsAndKeysHold guessing keys                         Hardening.HostsAndKeysHold,
-//   Routes.KeysAreAskedForUnderV1Only; the
-//                                         comparison looks at every byte (sameSecret in service.cpp)
-//   listening beyond loopback, no key     Chamferd.RefusesToStartWithAReason
-//   too much work or memory in a request  TileRequest.LimitsTheWorkOfOneRequest,
-//   Hardening.RoundingsBeyond...,
-//                                         Reload.ScenesBeyondTheMemory..., tests/browser/openapi.test.mjs
-//   coordinates that end Embree           Rays.LargestNumbersDoNoHarm, FarRays
-//   forged log lines                      Log.ValuesCannotForgeALine
+// - header shadowing: Hardening.RepeatedFieldsAreNotShadowed, .FieldsDoNotNameTheClient
+// - gzip bombs: Server.RefusesHostileFramingAndLives (Content-Encoding is 415)
+// - exception text sent to clients: Hardening.NothingOfALibraryReachesAClient
+// - percent-decoded CR LF in headers: Server.HeadersCannotBeInjected, RequestHead.ValuesAreNotDecoded
+// - smuggling (body of a GET, two lengths, length and chunked): Hardening.SmuggledRequestsAreNotSeen
+// - hundreds of ranges: Server.RangesAndCompressionAreIgnored
+// - chunked bodies: Server.RefusesHostileFramingAndLives (411)
+// - huge, endless and trickled heads: Hardening.EndlessHeadsAndTrickledOnesEnd
+// - slow and idle connections: Server.IdleAndSlowClientsAreDroppedInTime, .SlowAndIdleClientsStarveNobody
+// - clients that read nothing: Server.ClientThatReadsNothingIsDropped, .UnreadAnswersHaveABound
+// - floods of pipelined requests: Hardening.PipelinedFloodIsAnsweredInOrder
+// - other protocols on the port: Hardening.OtherProtocolsAreTurnedAway
+// - paths with .., %2e, %5c, NUL; links: Hardening.NoPathLeadsOut, .LinksOfASceneDoNotLeadOut
+// - DNS rebinding: Routes.OtherHostsAreNotAnswered, Hardening.HostsAndKeysHold
+// - work asked for by pages of other sites: Routes.PagesOfOtherSitesCannotMakeItWork
+// - guessed keys: Hardening.HostsAndKeysHold (sameSecret in service.cpp looks at every byte)
+// - listening beyond loopback without a key: Chamferd.RefusesToStartWithAReason
+// - too much work in one request: TileRequest.LimitsTheWorkOfOneRequest, tests/browser/openapi.test.mjs
+// - too much memory: Hardening.RoundingsBeyondTheLimitAreRefusedBeforeTheyAreBuilt,
+//   Reload.ScenesBeyondTheMemoryAreRefusedWithTheNumbers
+// - coordinates that end Embree: Rays.LargestNumbersDoNoHarm, FarRays
+// - forged log lines: Log.ValuesCannotForgeALine
 #include "tests/http/server_fixture.h"
 
 #include <filesystem>

@@ -238,6 +238,24 @@ TEST_F(Routes, OtherHostsAreNotAnswered) {
   EXPECT_EQ(get("/livez", {{"host", "10.0.0.7:80"}}).status, 200) << "health checks come by address";
 }
 
+TEST_F(Routes, PagesOfOtherSitesCannotMakeItWork) {
+  folder_.addCube("cube.obj");
+  serve();
+  const std::string tile = "/v1/scenes/" + idOf("cube") + "/tiles/8x8/0,0,8,8/0-1.png";
+  for (const char* mode : {"no-cors", "cors", "websocket"})
+    for (const std::string& target : {tile, std::string("/v1/info"), std::string("/app.js")}) {
+      const Response response = get(
+          target, {{"sec-fetch-site", "cross-site"}, {"sec-fetch-mode", mode}, {"sec-fetch-dest", "image"}});
+      EXPECT_EQ(response.status, 403) << target;
+      EXPECT_THAT(response.body, HasSubstr("urn:chamfer:problem:cross-site"));
+    }
+  EXPECT_EQ(get("/", {{"sec-fetch-site", "cross-site"}, {"sec-fetch-mode", "navigate"}}).status, 200)
+      << "a link";
+  for (const char* site : {"same-origin", "same-site", "none"})
+    EXPECT_EQ(get(tile, {{"sec-fetch-site", site}, {"sec-fetch-mode", "cors"}}).status, 200) << site;
+  EXPECT_EQ(get("/livez", {{"sec-fetch-site", "cross-site"}, {"sec-fetch-mode", "no-cors"}}).status, 200);
+}
+
 TEST_F(Routes, RequestIdsAreKeptWhenTheyAreHarmless) {
   serve();
   EXPECT_EQ(*get("/livez", {{"x-request-id", "a-B_1.2"}}).header("X-Request-Id"), "a-B_1.2");
