@@ -48,18 +48,18 @@ Color Bsdf::reflectance(float cosine) const {
   return f;
 }
 
-BsdfValue Bsdf::evaluate(const Vector3f& wi) const {
-  if (wi.z > 0) return evaluateReflection(wi);
+BsdfValue Bsdf::evaluate(const Vector3f& wi, float diffuseLeft) const {
+  if (wi.z > 0) return evaluateReflection(wi, diffuseLeft);
   if (wi.z < 0 && glass_ > 0 && !clearGlass_) return evaluateTransmission(wi);
   return {};
 }
 
-BsdfValue Bsdf::evaluateReflection(const Vector3f& wi) const {
+BsdfValue Bsdf::evaluateReflection(const Vector3f& wi, float diffuseLeft) const {
   BsdfValue value;
   if (diffuse_ > 0) {
     const float left =
         coatF0_ > 0 ? 1 - AlbedoTable::instance().directional(wi.z, roughness_).at(coatF0_) : 1;
-    value.f = baseColor_ * (base_ * kInvPi * wi.z * coatLeft_ * left);
+    value.f = baseColor_ * (base_ * kInvPi * wi.z * coatLeft_ * left * diffuseLeft);
     value.pdf = diffuse_ * kInvPi * wi.z;
   }
   if (mirror_ || !(reflect_ > 0 || refract_ > 0)) return value;

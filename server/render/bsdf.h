@@ -42,14 +42,16 @@ public:
   /// `inside`: wo is inside the solid (its far side is the outside). `wo.z` > 0.
   Bsdf(const SurfaceValues& surface, const Vector3f& wo, bool inside);
 
-  BsdfValue evaluate(const Vector3f& wi) const;
+  /// `diffuseLeft`: what a shading normal leaves of the diffuse part (terminatorFactor()); sample() knows
+  /// none.
+  BsdfValue evaluate(const Vector3f& wi, float diffuseLeft = 1) const;
   BsdfSample sample(float lobe, const Float2& u) const;
   /// Has it a part that evaluate() sees?
   bool hasSmoothPart() const { return !mirror_ || diffuse_ > 0 || (glass_ > 0 && !clearGlass_); }
 
 private:
   Color reflectance(float cosine) const; ///< Fresnel of all reflecting parts at a microfacet
-  BsdfValue evaluateReflection(const Vector3f& wi) const;
+  BsdfValue evaluateReflection(const Vector3f& wi, float diffuseLeft) const;
   BsdfValue evaluateTransmission(const Vector3f& wi) const;
   BsdfSample sampleReflection(const Vector3f& m) const;
   BsdfSample sampleMirror() const;

@@ -35,9 +35,7 @@ public:
   BsdfValue evaluate(const Vector3& wi) const {
     const Vector3f local = frame_.toLocal(Vector3f(wi));
     if (!sameSide(local, wi)) return {};
-    BsdfValue value = bsdf_.evaluate(local);
-    if (turned_ && local.z > 0) value.f *= float(terminatorFactor(smooth_, normal_, wi));
-    return value;
+    return bsdf_.evaluate(local, diffuseLeft(wi));
   }
   /// `wi` is set to the direction in the world, unit.
   BsdfSample sample(float lobe, const Float2& u, Vector3& wi) const {
@@ -45,7 +43,7 @@ public:
     if (!s.valid) return s;
     wi = normalize(Vector3(frame_.toWorld(s.wi)));
     s.valid = sameSide(s.wi, wi);
-    if (turned_ && !s.delta && s.wi.z > 0) s.weight *= float(terminatorFactor(smooth_, normal_, wi));
+    if (turned_ && s.valid && !s.delta) s.weight = bsdf_.evaluate(s.wi, diffuseLeft(wi)).f * (1 / s.pdf);
     return s;
   }
 
@@ -64,6 +62,9 @@ private:
     Vector3f wo = frame_.toLocal(Vector3f(-incoming));
     wo.z = std::max(wo.z, 1e-6f); // a cosine: exactly grazing rays still need a side
     return wo;
+  }
+  float diffuseLeft(const Vector3& wi) const {
+    return turned_ ? float(terminatorFactor(smooth_, normal_, wi)) : 1;
   }
   const TraceHit& hit_;
   double side_; ///< -1: the path is inside the solid

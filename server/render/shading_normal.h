@@ -27,9 +27,9 @@ inline Vector3 bendNormal(const Vector3& wo, Vector3 n, const Vector3& up) {
   return normalize(wo + normalize(mirrored + n * ((least - cosine) / dot(n, up))));
 }
 
-/// What is left of light from `wi` at a surface whose shading normal `n` was turned away from its smooth
-/// normal `smooth`, 0..1: without it the light ends in a hard line where the surface itself turns away from
-/// it.
+/// What is left of diffusely reflected light from `wi` at a surface whose shading normal `n` was turned away
+/// from its smooth normal `smooth`, 0..1: without it the light ends in a hard line where the surface itself
+/// turns away from it.
 ///   Chiang, Li and Burley, "Taming the Shadow Terminator", SIGGRAPH 2019 Talks.
 inline double terminatorFactor(const Vector3& smooth, const Vector3& n, const Vector3& wi) {
   const double surface = dot(smooth, wi), shading = dot(n, wi) * dot(n, smooth);
