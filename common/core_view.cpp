@@ -32,27 +32,8 @@ bool CoreView::inFaceCell(CoreFeature& feature, const Vector3& p) const {
 bool CoreView::inEdgeCell(CoreFeature& feature, const Vector3& p) const {
   const HalfEdge h = halfEdge(feature.halfEdge), twin = halfEdge(h.twin);
   const Vector3 a = centre(h.sphere), axis = centre(twin.sphere) - a, q = p - a;
-  const double squared = lengthSquared(axis);
-  // Four borders, each as (how far beyond it) * length.
-  const double beforeStart = -dot(q, axis);
-  const double behindEnd = -beforeStart - squared;
-  const double overFace = -dot(q, cross(axis, normal(h.facet)));
-  const double overTwin = dot(q, cross(axis, normal(twin.facet)));
-  double deepest = 0;
-  CoreFeature next = feature;
-  const auto consider = [&](double beyond, CoreFeature::Kind kind, std::uint32_t halfEdgeIndex) {
-    if (beyond > deepest) {
-      deepest = beyond;
-      next = {kind, halfEdgeIndex};
-    }
-  };
-  consider(beforeStart, CoreFeature::Vertex, feature.halfEdge);
-  consider(behindEnd, CoreFeature::Vertex, h.twin);
-  consider(overFace, CoreFeature::Face, feature.halfEdge);
-  consider(overTwin, CoreFeature::Face, h.twin);
-  if (!(deepest > 0)) return true;
-  feature = next;
-  return false;
+  return inEdgeCell(feature, h, dot(q, axis), lengthSquared(axis), dot(q, cross(axis, normal(h.facet))),
+                    dot(q, cross(axis, normal(twin.facet))));
 }
 
 bool CoreView::inVertexCell(CoreFeature& feature, const Vector3& p) const {

@@ -10,8 +10,8 @@ namespace chamfer {
 
 /// A face, an edge or a vertex of E, named by one of its half-edges: the face on its side, itself, its start.
 struct CoreFeature {
-  enum Kind : std::uint8_t { Face, Edge, Vertex } kind;
-  std::uint32_t halfEdge; ///< local to the solid
+  enum Kind : std::uint8_t { Face, Edge, Vertex } kind = Face;
+  std::uint32_t halfEdge = 0; ///< local to the solid
 };
 
 class CoreView {
@@ -46,6 +46,29 @@ public:
   /// beyond. The borders of all three kinds are the same planes, computed from the same numbers. \return
   /// true: inside; false: `feature` is replaced by the neighbour.
   bool inCell(CoreFeature& feature, const Vector3& p) const;
+
+  /// The same for an edge, whose half-edge `feature` names and `h` is: the point is `along` (times the edge's
+  /// length) beyond its start, `squared` is the edge's squared length; `outFace`, `outTwin`: the point's
+  /// offset from the axis, times the cross product of the axis and the normal of the facet on `h`'s side and
+  /// on the twin's.
+  bool inEdgeCell(CoreFeature& feature, const HalfEdge& h, double along, double squared, double outFace,
+                  double outTwin) const {
+    // Four borders, each as (how far beyond it) * length.
+    double deepest = 0;
+    CoreFeature next = feature;
+    const auto consider = [&](double beyond, CoreFeature::Kind kind, std::uint32_t halfEdgeIndex) {
+      if (beyond > deepest) {
+        deepest = beyond;
+        next = {kind, halfEdgeIndex};
+      }
+    };
+    consider(-along, CoreFeature::Vertex, feature.halfEdge);
+    consider(along - squared, CoreFeature::Vertex, h.twin);
+    consider(-outFace, CoreFeature::Face, feature.halfEdge);
+    consider(outTwin, CoreFeature::Face, h.twin);
+    feature = next;
+    return !(deepest > 0);
+  }
 
   /// Squared distance by which `p` is beyond the border between the face of `h`, of normal `n`, and the edge
   /// `h`; 0 on the face's side. Nothing is normalised for the common answer 0.

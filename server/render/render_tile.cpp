@@ -61,7 +61,7 @@ public:
         blocks_(columns_ * ((tile.height + kBlock - 1) / kBlock)) {
     // All rays of a pinhole start at the eye: whether that is in a sliver is asked once.
     const Camera& camera = settings.camera ? *settings.camera : prepared.scene().camera;
-    from_.maybeInSliver = camera_.usesLens() || tracer_.insideSolid(camera.eye);
+    from_.maybeInSliver = from_.maybeInSolid = camera_.usesLens() || tracer_.insideSolid(camera.eye);
     result_.image = {tile.width, tile.height, std::vector<float>(std::size_t(tile.width) * tile.height * 4)};
   }
 

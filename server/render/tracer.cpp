@@ -10,12 +10,14 @@
 #include "server/render/tracer.h"
 
 #include "common/error.h"
+#include "server/render/flat_margins.h"
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <embree3/rtcore.h>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -149,8 +151,9 @@ std::size_t memoryBytes(const TracedMesh& mesh) { return mesh.bytes(); }
 namespace {
 
 struct Instance {
-  const RoundingView* view; ///< null: sharp
-  const TracedMesh* mesh;
+  const RoundingView* view;  ///< null: sharp
+  const TriangleFlat* flats; ///< by triangle; null: sharp
+  float objectScale;         ///< an upper bound of what objectFromWorld makes of lengths
   Transform objectFromWorld;
 };
 
@@ -160,9 +163,10 @@ float above(double t) {
   return double(f) >= t ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
 }
 
-/// A solid whose mesh the ray entered at `t` without meeting its rounded solid there.
-struct Entered {
-  double t = INFINITY;
+/// The ray's way through the mesh of a solid whose rounded solid it does not meet there, as far as it is
+/// known.
+struct Passage {
+  double in = INFINITY, out = INFINITY;
   std::uint32_t instance = kNone, solid = kNone;
 };
 
@@ -175,39 +179,77 @@ struct Query {
   RayOrigin from;
   double tnear;
   double best;    ///< ends at or beyond this do not count
-  RoundedEnd end; ///< the best so far, object frame; valid when found
-  std::uint32_t instance, solid, triangle;
+  RoundedEnd end; ///< the best so far, object frame; valid when found and not surelyFlat
+  bool
+      surelyFlat; ///< the best so far is where the ray meets the plane of this facet, as far as float32 tells
+  std::uint32_t facet;
+  float off; ///< world; how far Embree's float32 ray may be off, across itself
+  std::uint32_t ownFirstFacet = 0, ownEndFacet = 0; ///< of the solid that the path is at
+  std::uint32_t instance, triangle;
   float u, v;
   bool found;
-  double keep;  ///< tfar may not fall below this
-  double limit; ///< tfar as Embree has it
-  Entered entered[2];
+  double keep;               ///< tfar may not fall below this
+  double limit;              ///< tfar as Embree has it
+  double ownExit = INFINITY; ///< where the ray leaves the mesh of the solid that its origin is on
+  Passage passages[4];
+  unsigned passageCount = 0;           ///< above the array's size: some are not known
   std::uint32_t frameInstance = kNone; ///< whose frame objectRay is in
   Ray objectRay;
 
-  /// Remembers the first such entry of each of two solids: one of them is not the solid that is hit.
-  void enter(double t, std::uint32_t i, std::uint32_t s) {
-    for (Entered& e : entered) {
-      if (e.instance == i && e.solid == s) {
-        e.t = std::min(e.t, t);
-        return;
-      }
-      if (t < e.t) {
-        if (&e == &entered[0]) entered[1] = e;
-        e = {t, i, s};
-        return;
-      }
-    }
+  /// Is the hit, which is on a flat, the end of its solid that the query is after?
+  bool isEnd(std::uint32_t i, std::uint32_t f) {
+    if (own(i, f)) return leaving(i, f);
+    return !from.maybeInSliver; // from a sliver, the near end may come before
   }
-  bool enteredBeforeHit() const {
-    for (const Entered& e : entered)
-      if (e.t < best && (e.instance != instance || e.solid != solid)) return true;
+  bool leaving(std::uint32_t i, std::uint32_t f) {
+    return dot(Vector3((*instances)[i].view->facets[f].normal), rayFor(i).direction) > 0;
+  }
+
+  /// Remembers where the ray enters or leaves the mesh of a solid.
+  void pass(double t, std::uint32_t i, std::uint32_t s, bool front) {
+    const unsigned known = std::min(passageCount, unsigned(std::size(passages)));
+    unsigned k = 0;
+    while (k < known && (passages[k].instance != i || passages[k].solid != s))
+      ++k;
+    if (k == known) {
+      if (passageCount++ >= std::size(passages)) return;
+      passages[k].instance = i;
+      passages[k].solid = s;
+    }
+    double& place = front ? passages[k].in : passages[k].out;
+    place = std::min(place, t);
+  }
+  /// May the hit lie inside the mesh of another solid, by what the ray passed on its way?
+  bool hitInPassage() const {
+    if (passageCount == 0) return false;
+    if (passageCount > std::size(passages)) return true;
+    const std::uint32_t hit = solid();
+    for (unsigned k = 0; k < passageCount; ++k) {
+      const Passage& p = passages[k];
+      if (p.in < best && !(p.out < best) && (p.instance != instance || p.solid != hit)) return true;
+    }
     return false;
+  }
+  std::uint32_t solid() const {
+    return facet == kNone ? kNone : (*instances)[instance].view->facets[facet].solid;
   }
   /// The tfar to go on with after a hit at `t`.
   float tfarAfter(double t) {
     limit = std::min(limit, std::max(t, keep));
     return above(limit);
+  }
+
+  OriginIs origin() const { return from.maybeInSolid ? OriginIs::Anywhere : OriginIs::Outside; }
+  /// The first triangle that a path outward meets is often the one that it leaves: nothing to look up for
+  /// that.
+  bool leaves(std::uint32_t i, std::uint32_t t) const {
+    return from.triangle == t && from.instance == i && !from.inside;
+  }
+
+  /// Outward, a path never meets the solid again that it leaves.
+  bool leavesSolid(std::uint32_t i, std::uint32_t f) const { return !from.inside && own(i, f); }
+  bool own(std::uint32_t i, std::uint32_t f) const {
+    return from.instance == i && f >= ownFirstFacet && f < ownEndFacet;
   }
 
   const Ray& rayFor(std::uint32_t i) {
@@ -219,20 +261,40 @@ struct Query {
   }
 };
 
+/// Is the hit on the triangle's flat, by its barycentric coordinates alone? The ray is in the instance's
+/// frame.
+inline bool surelyFlat(const Query& q, const Instance& in, const TriangleFlat& flat, const RTCRay& ray,
+                       const RTCHit& hit) {
+  const Vector3f n(hit.Ng_x, hit.Ng_y, hit.Ng_z), d(ray.dir_x, ray.dir_y, ray.dir_z);
+  const float slope = dot(n, d);
+  return flat.holds(hit.u, hit.v, q.off * in.objectScale,
+                    slope * slope / (lengthSquared(n) * lengthSquared(d)));
+}
+
 /// What a candidate triangle means for the query: the end of its solid that is hit, or nothing.
 std::optional<RoundedEnd> judge(Query& q, std::uint32_t instance, std::uint32_t facet, float t) {
-  const Instance& in = (*q.instances)[instance];
-  const RoundingView& view = *in.view;
-  const Ray& ray = q.rayFor(instance);
+  const RoundingView& view = *(*q.instances)[instance].view;
   const Candidate candidate{facet, double(t)};
-  if (q.from.instance == instance && q.from.solid == view.facets[facet].solid) {
-    // The path left this very surface: outward it never meets it again, inward only its far end.
-    if (!q.from.inside) return std::nullopt;
-    return farEnd(view, candidate, ray);
-  }
-  const auto end = firstEndBeyond(view, candidate, ray, q.tnear);
-  if (!end || end->feature != Feature::Flat) q.enter(double(t), instance, view.facets[facet].solid);
+  // The path goes on inward from this very surface: it meets the far end.
+  if (q.own(instance, facet)) return farEnd(view, candidate, q.rayFor(instance));
+  const Ray& ray = q.rayFor(instance);
+  const auto end = firstEndBeyond(view, candidate, ray, q.tnear, q.origin());
+  if (!end || end->feature != Feature::Flat)
+    q.pass(double(t), instance, view.facets[facet].solid,
+           dot(Vector3(view.facets[facet].normal), ray.direction) < 0);
   return end;
+}
+
+/// What a candidate triangle blocks the ray with, if it does. The far side of the solid that the path is in
+/// counts as flat: which feature it is need not be found out.
+std::optional<Feature> blockerAt(Query& q, std::uint32_t instance, std::uint32_t facet, float t) {
+  if (q.own(instance, facet)) {
+    // From its own surface inward a path leaves the rounded solid before the mesh.
+    if (q.from.inside && q.leaving(instance, facet)) return Feature::Flat;
+    return std::nullopt;
+  }
+  return endWithin(*(*q.instances)[instance].view, {facet, double(t)}, q.rayFor(instance), q.tnear, q.best,
+                   q.origin());
 }
 
 void intersectFilter(const RTCFilterFunctionNArguments* args) {
@@ -240,26 +302,36 @@ void intersectFilter(const RTCFilterFunctionNArguments* args) {
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
   const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
   const std::uint32_t instance = hit.instID[0], triangle = hit.primID;
-  const Instance& in = (*q.instances)[instance];
-  const std::uint32_t facet = in.view ? in.view->facetOfTriangle[triangle] : kNone;
   args->valid[0] = 0;
-  std::uint32_t solid = kNone;
+  if (q.leaves(instance, triangle)) {
+    q.ownExit = std::min(q.ownExit, double(ray.tfar));
+    return;
+  }
+  const Instance& in = (*q.instances)[instance];
+  const std::uint32_t facet = in.flats ? in.flats[triangle].facet : kNone;
+  bool flat = false;
   if (facet == kNone) {
     if (q.from.instance == instance && q.from.triangle == triangle) return;
     if (!(double(ray.tfar) < q.best)) return;
     q.best = double(ray.tfar);
-    ray.tfar = q.tfarAfter(q.best);
+  } else if (q.leavesSolid(instance, facet)) {
+    q.ownExit = std::min(q.ownExit, double(ray.tfar));
+    return;
+  } else if (surelyFlat(q, in, in.flats[triangle], ray, hit) && q.isEnd(instance, facet)) {
+    if (!(double(ray.tfar) < q.best)) return;
+    q.best = double(ray.tfar);
+    flat = true;
   } else {
     const auto end = judge(q, instance, facet, ray.tfar);
     if (!end || !(end->t < q.best) || !(end->t > q.tnear)) return;
     q.best = end->t;
     q.end = *end;
-    solid = in.view->facets[facet].solid;
-    ray.tfar = q.tfarAfter(end->t);
   }
+  ray.tfar = q.tfarAfter(q.best);
   q.found = true;
+  q.surelyFlat = flat;
   q.instance = instance;
-  q.solid = solid;
+  q.facet = facet;
   q.triangle = triangle;
   q.u = hit.u;
   q.v = hit.v;
@@ -271,18 +343,24 @@ void occludedFilter(const RTCFilterFunctionNArguments* args) {
   const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
   const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
   const std::uint32_t instance = hit.instID[0], triangle = hit.primID;
+  if (q.leaves(instance, triangle)) {
+    args->valid[0] = 0;
+    return;
+  }
   const Instance& in = (*q.instances)[instance];
-  const std::uint32_t facet = in.view ? in.view->facetOfTriangle[triangle] : kNone;
+  const std::uint32_t facet = in.flats ? in.flats[triangle].facet : kNone;
   if (facet == kNone) {
     if ((q.from.instance == instance && q.from.triangle == triangle) || !(double(ray.tfar) < q.best))
       args->valid[0] = 0;
     return;
   }
-  const auto end = judge(q, instance, facet, ray.tfar);
-  if (!end || !(end->t < q.best) || !(end->t > q.tnear))
-    args->valid[0] = 0;
+  // A flat is an end of its solid from wherever it is met.
+  if (!q.own(instance, facet) && surelyFlat(q, in, in.flats[triangle], ray, hit) && double(ray.tfar) < q.best)
+    return;
+  if (const auto blocker = blockerAt(q, instance, facet, ray.tfar))
+    q.end.feature = *blocker;
   else
-    q.end.feature = end->feature;
+    args->valid[0] = 0;
 }
 
 struct PointQuery {
@@ -298,8 +376,8 @@ void insideFilter(const RTCFilterFunctionNArguments* args) {
   const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
   const Instance& in = (*q.instances)[hit.instID[0]];
   args->valid[0] = 0;
-  if (!in.view || in.view->facetOfTriangle[hit.primID] == kNone) return;
-  const std::uint32_t solid = in.view->facets[in.view->facetOfTriangle[hit.primID]].solid;
+  if (!in.flats || in.flats[hit.primID].facet == kNone) return;
+  const std::uint32_t solid = in.view->facets[in.flats[hit.primID].facet].solid;
   const SolidRecord &record = in.view->solids[solid], &end = in.view->solids[solid + 1];
   const Vector3 p =
       in.objectFromWorld(q.point) - Point3(record.origin[0], record.origin[1], record.origin[2]);
@@ -323,8 +401,7 @@ public:
     reach_ = 0.5 * bounds_.diagonal();
     instances_.reserve(owned_.size());
     for (const TracedInstance& i : owned_) {
-      instances_.push_back(
-          {i.rounding ? &i.rounding->view() : nullptr, i.mesh.get(), i.worldFromObject.inverse()});
+      instances_.push_back(instanceOf(i));
       attachInstance(i);
       if (i.rounding) largestDiameter_ = std::max(largestDiameter_, worldDiameter(i));
     }
@@ -335,13 +412,16 @@ public:
                                     double tfar) const override {
     if (from.instance == kNone && isFar(ray)) return intersectFromAfar(ray, from, tnear, tfar);
     Query q = query(ray, from, tnear, tfar, &intersectFilter);
-    RTCRayHit rayHit;
-    rayHit.ray = embreeRay(q);
-    rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_.get(), &q.context, &rayHit);
+    traverse(q);
+    // A path inside a rounded solid ends at its far side, unless it meets something before. What it met may
+    // lie behind that side, in the sliver, and then the search may have ended before the side's triangle.
+    if (from.inside && endsOutside(q)) {
+      q = query(ray, from, tnear, tfar, &intersectFilter);
+      holdOpen(q);
+      traverse(q);
+    }
     if (!q.found) return std::nullopt;
-    return q.solid == kNone ? sharpHit(q) : roundedHit(q);
+    return q.facet == kNone ? sharpHit(q) : roundedHit(q);
   }
 
   bool occluded(const Ray& ray, const RayOrigin& from, double tnear, double tfar,
@@ -351,7 +431,7 @@ public:
     RTCRay r = embreeRay(q);
     rtcOccluded1(scene_.get(), &q.context, &r);
     if (blocker) *blocker = q.end.feature;
-    return r.tfar < 0;
+    return r.tfar < 0 || (from.inside && endsOutside(q));
   }
 
   bool insideSolid(const Point3& point) const override {
@@ -378,6 +458,8 @@ public:
       return true;
     };
     std::size_t bytes = scene_.bytes() + instances_.size() * sizeof(Instance);
+    for (const auto& [key, flats] : flats_)
+      bytes += flats.size() * sizeof(TriangleFlat);
     const void *lastMesh = nullptr, *lastRounding = nullptr;
     for (const TracedInstance& i : owned_) {
       if (i.mesh.get() != lastMesh && first(i.mesh.get())) bytes += i.mesh->bytes();
@@ -413,6 +495,21 @@ private:
     return hit;
   }
 
+  Instance instanceOf(const TracedInstance& i) {
+    Instance in{nullptr, nullptr, 1, i.worldFromObject.inverse()};
+    if (!i.rounding) return in;
+    in.view = &i.rounding->view();
+    auto& flats = flats_[{i.mesh.get(), i.rounding.get()}];
+    if (flats.empty()) flats = flatMargins(*in.view, i.mesh->mesh());
+    in.flats = flats.data();
+    double square = 0;
+    for (const auto& row : in.objectFromWorld.rows())
+      for (std::size_t k = 0; k < 3; ++k)
+        square += row[k] * row[k];
+    in.objectScale = float(std::sqrt(square));
+    return in;
+  }
+
   void attachInstance(const TracedInstance& i) {
     // Embree's frames are about the mesh's and the scene's centres: float32 keeps its digits far from the
     // origin.
@@ -439,18 +536,48 @@ private:
     q.tnear = tnear;
     q.best = tfar;
     q.found = false;
-    q.keep = from.maybeInSliver || from.inside ? tnear + largestDiameter_ / length(ray.direction) : 0;
-    q.limit = std::max(tfar, q.keep);
-    // A path that leaves a sharp triangle starts off its plane by what float32 can put on the wrong side of
-    // it: the rounding of the origin and of the transforms, a few units in the last place of the largest
-    // coordinate involved.
-    q.offset = {0, 0, 0};
-    if (from.instance != kNone && from.solid == kNone) {
-      const Vector3 o = Vector3(ray.origin) - centre_, n = triangleNormal(from.instance, from.triangle);
-      const double largest = std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z), reach_});
-      q.offset = n * std::copysign(16 * 0x1p-24 * largest, dot(n, ray.direction));
+    const Vector3 o = Vector3(ray.origin) - centre_;
+    const double largest = std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z), reach_});
+    q.off = float(0x1p-20 * largest);
+    if (from.solid != kNone) {
+      const auto& solids = instances_[from.instance].view->solids;
+      q.ownFirstFacet = solids[from.solid].firstFacet;
+      q.ownEndFacet = solids[from.solid + 1].firstFacet;
     }
+    q.keep = 0;
+    q.limit = tfar;
+    if (from.maybeInSliver) holdOpen(q);
+    // A path that leaves a plane starts off it by what float32 can put on the wrong side of it: the rounding
+    // of the origin and of the transforms, a few units in the last place of the largest coordinate involved.
+    // The hits are exact without that where the plane is a rounded solid's; it spares meeting the plane
+    // again.
+    q.offset = {0, 0, 0};
+    if (from.instance != kNone && !from.onRounding)
+      q.offset = from.normal * std::copysign(16 * 0x1p-24 * largest, dot(from.normal, ray.direction));
     return q;
+  }
+
+  /// Lets the traversal see all triangles of the solids that the origin may be in.
+  void holdOpen(Query& q) const {
+    q.keep = q.tnear + largestDiameter_ / length(q.ray.direction);
+    q.limit = std::max(q.best, q.keep);
+  }
+
+  void traverse(Query& q) const {
+    RTCRayHit rayHit;
+    rayHit.ray = embreeRay(q);
+    rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_.get(), &q.context, &rayHit);
+  }
+
+  /// Does the ray of a path inside a rounded solid end outside of it, by another object's hit or by tfar?
+  bool endsOutside(const Query& q) const {
+    const RayOrigin& from = q.from;
+    if (from.solid == kNone || !std::isfinite(q.best)) return false;
+    if (q.found && q.own(q.instance, q.facet)) return false;
+    const Instance& in = instances_[from.instance];
+    return !contains(*in.view, from.solid, in.objectFromWorld(q.ray.at(q.best)));
   }
 
   RTCRay embreeRay(const Query& q) const {
@@ -486,23 +613,35 @@ private:
     return 2 * largest * std::sqrt(square);
   }
 
+  /// Is the hit still in the sliver that the path began in?
+  static bool inOwnSliver(const Query& q) {
+    return q.from.onRounding && !q.from.inside && !(q.ownExit < q.best);
+  }
   /// Near an origin that may be in a sliver, the hit may be in the same one.
   static bool maybeInSliver(const Query& q) {
-    return q.enteredBeforeHit() || (q.from.maybeInSliver && q.from.instance != kNone && q.best < q.keep);
+    return q.hitInPassage() || inOwnSliver(q) ||
+           (q.from.maybeInSliver && q.from.instance != kNone && q.best < q.keep);
+  }
+  static bool maybeInSolid(const Query& q) {
+    return q.from.maybeInSolid || q.hitInPassage() || inOwnSliver(q);
   }
 
   TraceHit roundedHit(const Query& q) const {
-    const Normal3 n = owned_[q.instance].worldFromObject(Normal3(q.end.normal));
-    return {q.end.t,
-            q.ray.at(q.end.t),
-            normalize(Vector3(n)),
-            q.end.feature,
-            q.instance,
-            q.solid,
-            q.triangle,
-            q.u,
-            q.v,
-            maybeInSliver(q)};
+    const RoundedEnd end = q.surelyFlat ? planeHit(q) : q.end;
+    const Normal3 n = owned_[q.instance].worldFromObject(Normal3(end.normal));
+    return {
+        end.t, q.ray.at(end.t),  normalize(Vector3(n)), end.feature, q.instance, q.solid(), q.triangle, q.u,
+        q.v,   maybeInSliver(q), maybeInSolid(q)};
+  }
+
+  /// Where the ray meets the facet's plane, in double.
+  RoundedEnd planeHit(const Query& q) const {
+    const Instance& in = instances_[q.instance];
+    const FacetRecord& facet = in.view->facets[q.facet];
+    const SolidRecord& solid = in.view->solids[facet.solid];
+    const Ray ray = in.objectFromWorld(q.ray);
+    const Vector3 n(facet.normal), o = ray.origin - Point3(solid.origin[0], solid.origin[1], solid.origin[2]);
+    return {(double(facet.offset) - dot(n, o)) / dot(n, ray.direction), n, Feature::Flat};
   }
 
   /// World, unit, outward by the winding of the file (kept under mirroring).
@@ -523,12 +662,14 @@ private:
     const double slope = dot(n, q.ray.direction);
     double exact = dot(n, a - q.ray.origin) / slope;
     if (!(std::abs(exact - q.best) <= 1e-4 * std::abs(q.best)) || !(exact > 0)) exact = q.best;
-    return {exact, q.ray.at(exact), n,   Feature::Flat, q.instance,
-            kNone, q.triangle,      q.u, q.v,           maybeInSliver(q)};
+    return {exact,          q.ray.at(exact), n,   Feature::Flat, q.instance,
+            kNone,          q.triangle,      q.u, q.v,           maybeInSliver(q),
+            maybeInSolid(q)};
   }
 
   std::vector<TracedInstance> owned_;
   std::vector<Instance> instances_;
+  std::map<std::pair<const TracedMesh*, const Rounding*>, std::vector<TriangleFlat>> flats_;
   Bounds3 bounds_;
   Vector3 centre_;
   double reach_ = 0, largestDiameter_ = 0;

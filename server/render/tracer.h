@@ -49,9 +49,15 @@ struct RayOrigin {
   std::uint32_t triangle = kNone;
   bool inside = false; ///< the path goes on inside the solid (transmission): only its far end can be hit
   /// The origin may lie in the sliver of another solid, behind that solid's mesh and before its rounded
-  /// surface. False spares the search for it. A camera's rays may say false where Tracer::insideSolid says so
-  /// of the eye.
+  /// surface. False spares the search for it. A camera's rays may say false of both this and the next where
+  /// Tracer::insideSolid says so of the eye.
   bool maybeInSliver = true;
+  /// The origin may lie inside the mesh of a rounded solid, other than the one the path is at. False spares
+  /// looking at back-facing triangles.
+  bool maybeInSolid = true;
+  /// The path leaves a rounding, so it begins in that solid's own sliver.
+  bool onRounding = false;
+  Vector3 normal{}; ///< of the surface there: world, unit, outward
 };
 
 struct TraceHit {
@@ -63,12 +69,14 @@ struct TraceHit {
   std::uint32_t solid;    ///< in the instance's mesh; kNone where sharp
   std::uint32_t triangle; ///< mesh triangle that was met
   float u, v;             ///< barycentric coordinates of the mesh's hit on it
-  bool maybeInSliver =
-      false; ///< the hit may lie in the sliver of another solid (only where solids interpenetrate)
+  /// The hit may lie in the sliver of another solid (only where solids interpenetrate).
+  bool maybeInSliver = false;
+  bool maybeInSolid = false; ///< the hit may lie inside the mesh of another solid
   bool rounded() const { return feature != Feature::Flat; }
   /// The origin for a ray that leaves this hit along `direction`.
   RayOrigin leave(const Vector3& direction) const {
-    return {instance, solid, triangle, dot(direction, normal) < 0, maybeInSliver};
+    const bool inside = dot(direction, normal) < 0;
+    return {instance, solid, triangle, inside, maybeInSliver, maybeInSolid || inside, rounded(), normal};
   }
 };
 
