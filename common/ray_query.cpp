@@ -16,47 +16,6 @@ std::optional<RoundedEnd> shifted(std::optional<RoundedEnd> end, double by) {
   return end;
 }
 
-/// The zone test in float32, for most points enough: true only where the point is on the flat by more than
-/// float32 can be wrong about. The facet must have a flat. Its border is seen along the coordinate axis
-/// nearest to its normal, which keeps the sides of lines.
-bool surelyFlat(const RoundingView& view, const SolidRecord& solid, const FacetRecord& record,
-                std::uint32_t localFacet, const Vector3& p) {
-  if (solid.wide()) return false;
-  const Float3& n = record.normal;
-  const float nx = std::abs(n.x), ny = std::abs(n.y), nz = std::abs(n.z);
-  // Offsets of the two other coordinates in a Float3, in the order that keeps the winding.
-  std::size_t i = 0, j = 1;
-  bool positive = n.z > 0;
-  if (nx >= ny && nx >= nz) {
-    i = 1, j = 2;
-    positive = n.x > 0;
-  } else if (ny >= nz) {
-    i = 2, j = 0;
-    positive = n.y > 0;
-  }
-  if (!positive) std::swap(i, j);
-  const SphereRecord* const spheres = view.spheres.data() + solid.firstSphere;
-  const auto corner = [&](const PackedHalfEdge& h, std::size_t k) { return (&spheres[h.sphere].near.x)[k]; };
-  const PackedHalfEdge* h = view.packed.data() + solid.halfEdgeStart() + record.firstHalfEdge();
-  const PackedHalfEdge* const end = view.packed.data() + solid.halfEdgeStart() + solid.halfEdgeCount;
-  const float px = float(p[i]), py = float(p[j]);
-  // Centres and point are off by some 2^-23 of the solid's size in each coordinate.
-  const float doubt = 0x1p-20f * solid.boundRadius;
-  const float firstX = corner(*h, i), firstY = corner(*h, j);
-  float ax = firstX, ay = firstY;
-  const auto inside = [&](float bx, float by) {
-    const float dx = bx - ax, dy = by - ay;
-    return dx * (py - ay) - dy * (px - ax) > doubt * (std::abs(dx) + std::abs(dy));
-  };
-  while (++h < end && h->facet == localFacet) {
-    const float bx = corner(*h, i), by = corner(*h, j);
-    if (!inside(bx, by)) return false;
-    ax = bx;
-    ay = by;
-  }
-  return inside(firstX, firstY);
-}
-
 } // namespace
 
 Detection detect(const RoundingView& view, std::uint32_t solid, std::uint32_t facet, const Point3& p) {
@@ -69,8 +28,6 @@ Detection detect(const RoundingView& view, std::uint32_t solid, std::uint32_t fa
   if (record.vanished()) return {true, record.firstHalfEdge()};
   const Vector3 q(p);
   if (!record.hasTree()) {
-    if (surelyFlat(view, view.solids[solid], record, facet - view.solids[solid].firstFacet, q))
-      return {false, record.firstHalfEdge()};
     CoreFeature feature{CoreFeature::Face, record.firstHalfEdge()};
     const bool flat = core.inCell(feature, q);
     return {!flat, feature.halfEdge};

@@ -201,6 +201,7 @@ struct Query {
     if (own(i, f)) return leaving(i, f);
     return !from.maybeInSliver; // from a sliver, the near end may come before
   }
+  bool counts(double t) const { return t > tnear && t < best; }
   bool leaving(std::uint32_t i, std::uint32_t f) {
     return dot(Vector3((*instances)[i].view->facets[f].normal), rayFor(i).direction) > 0;
   }
@@ -318,12 +319,12 @@ void intersectFilter(const RTCFilterFunctionNArguments* args) {
     q.ownExit = std::min(q.ownExit, double(ray.tfar));
     return;
   } else if (surelyFlat(q, in, in.flats[triangle], ray, hit) && q.isEnd(instance, facet)) {
-    if (!(double(ray.tfar) < q.best)) return;
+    if (!q.counts(double(ray.tfar))) return;
     q.best = double(ray.tfar);
     flat = true;
   } else {
     const auto end = judge(q, instance, facet, ray.tfar);
-    if (!end || !(end->t < q.best) || !(end->t > q.tnear)) return;
+    if (!end || !q.counts(end->t)) return;
     q.best = end->t;
     q.end = *end;
   }
@@ -354,8 +355,8 @@ void occludedFilter(const RTCFilterFunctionNArguments* args) {
       args->valid[0] = 0;
     return;
   }
-  // A flat is an end of its solid from wherever it is met.
-  if (!q.own(instance, facet) && surelyFlat(q, in, in.flats[triangle], ray, hit) && double(ray.tfar) < q.best)
+  if (!q.own(instance, facet) && surelyFlat(q, in, in.flats[triangle], ray, hit) &&
+      q.isEnd(instance, facet) && q.counts(double(ray.tfar)))
     return;
   if (const auto blocker = blockerAt(q, instance, facet, ray.tfar))
     q.end.feature = *blocker;

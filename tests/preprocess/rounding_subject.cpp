@@ -129,7 +129,7 @@ oracle::Subject RoundedSubject::exitOfReversedLine() const {
 }
 
 oracle::Subject RoundedSubject::firstEnd() const {
-  return [this](const oracle::Ray& ray) {
+  return [this](const oracle::Ray& ray) -> std::optional<oracle::Answer> {
     std::optional<RoundedEnd> best;
     for (std::size_t s = 0; s < solids_.size(); ++s) {
       // The two triangles that the line crosses the solid's surface by.
@@ -147,14 +147,15 @@ oracle::Subject RoundedSubject::firstEnd() const {
         }
       }
       if (t[0] > t[1] || t[1] <= ray.tnear) continue;
-      // Either triangle must give the same answer, but a far ray's is asked of the front one.
-      std::size_t side = t[0] > ray.tnear ? 0 : 1;
-      const double bound = view().solids[s].boundRadius;
-      if (side == 0 && lengthSquared(inFrame(s, ray).origin - Point3()) < bound * bound)
-        side = hashOf(ray) & 1;
-      const Candidate candidate{facetOfFace_[s][face[side]], double(float(t[side]))};
-      const auto end =
-          firstEndBeyond(view(), candidate, {point(ray.origin), vector(ray.direction)}, ray.tnear);
+      const auto asked = [&](std::size_t side) {
+        const Candidate candidate{facetOfFace_[s][face[side]], double(float(t[side]))};
+        return firstEndBeyond(view(), candidate, {point(ray.origin), vector(ray.direction)}, ray.tnear);
+      };
+      // From outside the front triangle speaks, and the back one says the same or nothing.
+      const auto back = asked(1);
+      const auto end = t[0] > ray.tnear ? asked(0) : back;
+      if (back && (!end || std::abs(back->t - end->t) > 1e-12 * (std::abs(end->t) + std::abs(t[1]))))
+        return oracle::Answer{NAN, Eigen::Vector3d::Zero(), {}};
       if (end && (!best || end->t < best->t)) best = end;
     }
     return answerOf(best);
