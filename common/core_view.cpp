@@ -19,11 +19,24 @@ bool CoreView::inFaceCell(CoreFeature& feature, const Vector3& p) const {
   const Vector3 n = normal(f);
   double deepest = 0;
   std::uint32_t border = kNone;
-  for (std::uint32_t h = first; h < record_.halfEdgeCount && halfEdge(h).facet == f; ++h)
-    if (const double depth = squaredBeyond(h, n, p); depth > deepest) {
+  const auto consider = [&](std::uint32_t h, const Vector3& a, const Vector3& b) {
+    if (const double depth = squaredBeyond(a, b, n, p); depth > deepest) {
       deepest = depth;
       border = h;
     }
+  };
+  // Each half-edge ends where the next one starts, the last where the first one does.
+  const Vector3 begin = start(first);
+  Vector3 a = begin;
+  std::uint32_t h = first;
+  for (; h + 1 < record_.halfEdgeCount; ++h) {
+    const HalfEdge next = halfEdge(h + 1);
+    if (next.facet != f) break;
+    const Vector3 b = centre(next.sphere);
+    consider(h, a, b);
+    a = b;
+  }
+  consider(h, a, begin);
   if (border == kNone) return true;
   feature = {CoreFeature::Edge, border};
   return false;

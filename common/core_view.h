@@ -73,12 +73,16 @@ public:
   /// Squared distance by which `p` is beyond the border between the face of `h`, of normal `n`, and the edge
   /// `h`; 0 on the face's side. Nothing is normalised for the common answer 0.
   double squaredBeyond(std::uint32_t h, const Vector3& n, const Vector3& p) const {
-    const Vector3 a = start(h), axis = end(h) - a;
-    const double beyond = dot(p - a, cross(axis, n));
-    return beyond <= 0 ? 0 : beyond * beyond / lengthSquared(axis);
+    return squaredBeyond(start(h), end(h), n, p);
   }
 
 private:
+  /// `a`, `b`: the half-edge's start and end.
+  static double squaredBeyond(const Vector3& a, const Vector3& b, const Vector3& n, const Vector3& p) {
+    const Vector3 axis = b - a;
+    const double beyond = dot(p - a, cross(axis, n));
+    return beyond <= 0 ? 0 : beyond * beyond / lengthSquared(axis);
+  }
   bool inFaceCell(CoreFeature& feature, const Vector3& p) const;
   bool inEdgeCell(CoreFeature& feature, const Vector3& p) const;
   bool inVertexCell(CoreFeature& feature, const Vector3& p) const;

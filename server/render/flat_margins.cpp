@@ -17,17 +17,21 @@ constexpr double kDoubt = 1.0 / TriangleFlat::kUnit;
 
 /// A border of the flat: the signed distance inside it of each of the triangle's vertices.
 using Border = std::array<double, 3>;
+/// Barycentric coordinates, the least of a smaller triangle's.
+using Margins = std::array<double, 3>;
+/// Those of the triangle and all around it that may be meant.
+constexpr Margins kEnlarged{-kDoubt, -kDoubt, -kDoubt};
 
 /// The margins' corner `k` keeps the other two vertices' margins and has the rest itself: how far inside the
 /// border is it?
-double depthOfCorner(const Border& border, const std::array<double, 3>& margins, std::size_t k) {
+double depthOfCorner(const Border& border, const Margins& margins, std::size_t k) {
   const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
   return border[k] + margins[i] * (border[i] - border[k]) + margins[j] * (border[j] - border[k]);
 }
 
 /// Raises margins until all three corners are inside all borders, each time the one that brings most. Whether
 /// that succeeds is for the caller to check.
-void raiseMargins(const std::vector<Border>& borders, std::array<double, 3>& margins) {
+void raiseMargins(const std::vector<Border>& borders, Margins& margins) {
   for (int pass = 0; pass < 4; ++pass) {
     bool raised = false;
     for (const Border& border : borders)
@@ -48,7 +52,8 @@ void raiseMargins(const std::vector<Border>& borders, std::array<double, 3>& mar
 /// Works on one triangle after the other; keeps what it knows of the facet while that stays the same.
 class Worker {
 public:
-  Worker(const RoundingView& view, const TriangleMesh& mesh) : view_(view), mesh_(mesh) {}
+  Worker(const RoundingView& view, const TriangleMesh& mesh, double size)
+      : view_(view), mesh_(mesh), size_(size) {}
 
   TriangleFlat of(std::size_t t) {
     const std::uint32_t facet = view_.facetOfTriangle[t];
@@ -89,7 +94,7 @@ private:
       offPlane = std::max(offPlane, std::abs(dot(normal_, at[k]) - offset_));
     }
     collectBorders(at);
-    std::array<double, 3> margins{-kDoubt, -kDoubt, -kDoubt};
+    Margins margins = kEnlarged;
     raiseMargins(borders_, margins);
     std::array<std::uint8_t, 3> units;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -99,13 +104,16 @@ private:
       margins[k] = up / TriangleFlat::kUnit - kDoubt;
     }
     if (!inside(margins)) return;
-    const double slack = std::floor(std::log2(leastHeight(at) * kDoubt));
-    if (!(slack > -126 && slack < 127) || offPlane * TriangleFlat::kSteepest > std::exp2(slack)) return;
+    // Half of what may be off is for the ray, half for the triangle as float32 has it, seen at the flattest.
+    const double share = 0.5 * leastHeight(at) * kDoubt;
+    if ((offPlane + 0x1p-23 * size_) * TriangleFlat::kSteepest > share) return;
+    const double slack = std::floor(std::log2(share));
+    if (!(slack > -126 && slack < 127)) return;
     flat.margins = units;
     flat.slack = std::int8_t(slack);
   }
 
-  /// Those that the triangle is not wholly inside of.
+  /// Those that the triangle, enlarged by what may be off, is not wholly inside of.
   void collectBorders(const std::array<Vector3, 3>& at) {
     borders_.clear();
     for (std::size_t c = 0; c < corners_.size(); ++c) {
@@ -116,16 +124,17 @@ private:
       Border border;
       for (std::size_t k = 0; k < 3; ++k)
         border[k] = dot(inward, at[k] - corners_[c]);
-      if (border[0] < 0 || border[1] < 0 || border[2] < 0) borders_.push_back(border);
+      if (!inside(border, kEnlarged)) borders_.push_back(border);
     }
   }
 
-  bool inside(const std::array<double, 3>& margins) const {
-    if (!(margins[0] + margins[1] + margins[2] < 1)) return false;
-    return std::all_of(borders_.begin(), borders_.end(), [&](const Border& b) {
-      return depthOfCorner(b, margins, 0) >= 0 && depthOfCorner(b, margins, 1) >= 0 &&
-             depthOfCorner(b, margins, 2) >= 0;
-    });
+  static bool inside(const Border& border, const Margins& margins) {
+    return depthOfCorner(border, margins, 0) >= 0 && depthOfCorner(border, margins, 1) >= 0 &&
+           depthOfCorner(border, margins, 2) >= 0;
+  }
+  bool inside(const Margins& margins) const {
+    return margins[0] + margins[1] + margins[2] < 1 &&
+           std::all_of(borders_.begin(), borders_.end(), [&](const Border& b) { return inside(b, margins); });
   }
 
   static double leastHeight(const std::array<Vector3, 3>& at) {
@@ -136,6 +145,7 @@ private:
 
   const RoundingView& view_;
   const TriangleMesh& mesh_;
+  double size_; ///< of the mesh: half its bounds' diagonal
   std::uint32_t facet_ = kNone;
   Vector3 origin_, normal_;
   double offset_ = 0;
@@ -145,10 +155,10 @@ private:
 
 } // namespace
 
-std::vector<TriangleFlat> flatMargins(const RoundingView& view, const TriangleMesh& mesh) {
+std::vector<TriangleFlat> flatMargins(const RoundingView& view, const TriangleMesh& mesh, double size) {
   std::vector<TriangleFlat> flats(view.facetOfTriangle.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, flats.size(), 4096), [&](const auto& some) {
-    Worker worker(view, mesh);
+    Worker worker(view, mesh, size);
     for (std::size_t t = some.begin(); t < some.end(); ++t)
       flats[t] = worker.of(t);
   });

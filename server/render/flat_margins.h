@@ -35,8 +35,8 @@ struct TriangleFlat {
 };
 static_assert(sizeof(TriangleFlat) == 8);
 
-/// By the mesh's triangle index. Time is linear in the number of triangles; facets with very many sides are
-/// left to their detection trees.
-std::vector<TriangleFlat> flatMargins(const RoundingView& view, const TriangleMesh& mesh);
+/// By the mesh's triangle index. `size`: of the mesh's largest coordinate as the tracer has it. Time is
+/// linear in the number of triangles; facets with very many sides are left to their detection trees.
+std::vector<TriangleFlat> flatMargins(const RoundingView& view, const TriangleMesh& mesh, double size);
 
 } // namespace chamfer

@@ -183,7 +183,7 @@ struct Query {
   bool
       surelyFlat; ///< the best so far is where the ray meets the plane of this facet, as far as float32 tells
   std::uint32_t facet;
-  float off; ///< world; how far Embree's float32 ray may be off, across itself
+  float originSize, directionSize;                  ///< largest coordinates, in Embree's world
   std::uint32_t ownFirstFacet = 0, ownEndFacet = 0; ///< of the solid that the path is at
   std::uint32_t instance, triangle;
   float u, v;
@@ -267,9 +267,11 @@ struct Query {
 inline bool surelyFlat(const Query& q, const Instance& in, const TriangleFlat& flat, const RTCRay& ray,
                        const RTCHit& hit) {
   const Vector3f n(hit.Ng_x, hit.Ng_y, hit.Ng_z), d(ray.dir_x, ray.dir_y, ray.dir_z);
-  const float slope = dot(n, d);
-  return flat.holds(hit.u, hit.v, q.off * in.objectScale,
-                    slope * slope / (lengthSquared(n) * lengthSquared(d)));
+  const float slope = dot(n, d), squared = lengthSquared(d);
+  // Embree's arithmetic is float32 on places about the origin and the hit: an error of a few units in the
+  // last place of the larger.
+  const float off = 0x1p-21f * (q.originSize + ray.tfar * q.directionSize) * in.objectScale;
+  return flat.holds(hit.u, hit.v, off, slope * slope / (lengthSquared(n) * squared));
 }
 
 /// What a candidate triangle means for the query: the end of its solid that is hit, or nothing.
@@ -382,8 +384,9 @@ void insideFilter(const RTCFilterFunctionNArguments* args) {
   const SolidRecord &record = in.view->solids[solid], &end = in.view->solids[solid + 1];
   const Vector3 p =
       in.objectFromWorld(q.point) - Point3(record.origin[0], record.origin[1], record.origin[2]);
+  const double slack = 0x1p-20 * record.boundRadius; // on the surface is inside
   for (std::uint32_t f = record.firstFacet; f < end.firstFacet; ++f)
-    if (dot(Vector3(in.view->facets[f].normal), p) > double(in.view->facets[f].offset)) return;
+    if (dot(Vector3(in.view->facets[f].normal), p) > double(in.view->facets[f].offset) + slack) return;
   args->valid[0] = -1;
 }
 
@@ -443,7 +446,10 @@ public:
     q.context.filter = &insideFilter;
     q.instances = &instances_;
     q.point = point;
-    RTCRay r = embreeRay(Vector3(point) - centre_, {0.8, 0.5, 0.33166}, 0, largestDiameter_);
+    // Begins a little before the point, so that it meets the far side also of a solid that the point is on.
+    const Vector3 direction{0.8, 0.5, 0.33166}, o = Vector3(point) - centre_;
+    const double before = 0x1p-18 * (length(o) + reach_);
+    RTCRay r = embreeRay(o - direction * before, direction, 0, largestDiameter_ + 2 * before);
     rtcOccluded1(scene_.get(), &q.context, &r);
     return r.tfar < 0;
   }
@@ -501,7 +507,7 @@ private:
     if (!i.rounding) return in;
     in.view = &i.rounding->view();
     auto& flats = flats_[{i.mesh.get(), i.rounding.get()}];
-    if (flats.empty()) flats = flatMargins(*in.view, i.mesh->mesh());
+    if (flats.empty()) flats = flatMargins(*in.view, i.mesh->mesh(), 0.5 * i.mesh->bounds().diagonal());
     in.flats = flats.data();
     double square = 0;
     for (const auto& row : in.objectFromWorld.rows())
@@ -538,8 +544,12 @@ private:
     q.best = tfar;
     q.found = false;
     const Vector3 o = Vector3(ray.origin) - centre_;
-    const double largest = std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z), reach_});
-    q.off = float(0x1p-20 * largest);
+    const auto largest = [](const Vector3& v) {
+      return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    };
+    const double size = largest(o);
+    q.originSize = float(size);
+    q.directionSize = float(largest(ray.direction));
     if (from.solid != kNone) {
       const auto& solids = instances_[from.instance].view->solids;
       q.ownFirstFacet = solids[from.solid].firstFacet;
@@ -554,7 +564,8 @@ private:
     // again.
     q.offset = {0, 0, 0};
     if (from.instance != kNone && !from.onRounding)
-      q.offset = from.normal * std::copysign(16 * 0x1p-24 * largest, dot(from.normal, ray.direction));
+      q.offset =
+          from.normal * std::copysign(16 * 0x1p-24 * std::max(size, reach_), dot(from.normal, ray.direction));
     return q;
   }
 

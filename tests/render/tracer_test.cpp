@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 #include <iostream>
+#include <random>
 
 namespace chamfer {
 namespace {
@@ -52,18 +53,67 @@ struct Placed {
     }
   }
 
+  static std::optional<oracle::Answer> answerOf(const std::optional<TraceHit>& hit) {
+    if (!hit) return std::nullopt;
+    return oracle::Answer{
+        hit->t, {hit->normal.x, hit->normal.y, hit->normal.z}, oracle::Feature(hit->feature)};
+  }
+
+  /// Every ray twice: with nothing known of where it begins, and with what Tracer::insideSolid says of that.
   oracle::AgreementReport check() const {
     const auto tracer = makeTracer(instances);
-    const oracle::Subject subject = [&](const oracle::Ray& ray) -> std::optional<oracle::Answer> {
-      const auto hit = tracer->intersect(toRay(ray), {}, ray.tnear);
+    const oracle::Subject subject = [&](const oracle::Ray& oracleRay) -> std::optional<oracle::Answer> {
+      const Ray ray = toRay(oracleRay);
+      RayOrigin known;
+      known.maybeInSliver = known.maybeInSolid = tracer->insideSolid(ray.at(oracleRay.tnear));
+      const auto hit = tracer->intersect(ray, known, oracleRay.tnear);
+      const auto unknown = tracer->intersect(ray, {}, oracleRay.tnear);
       // The any-hit query must say the same as the closest-hit query.
-      if (tracer->occluded(toRay(ray), {}, ray.tnear) != hit.has_value())
+      if (hit.has_value() != unknown.has_value() ||
+          (hit && std::abs(hit->t - unknown->t) > 1e-12 * (1 + hit->t)) ||
+          tracer->occluded(ray, {}, oracleRay.tnear) != hit.has_value() ||
+          tracer->occluded(ray, known, oracleRay.tnear) != hit.has_value())
         return oracle::Answer{NAN, {0, 0, 0}, oracle::Feature::Flat};
-      if (!hit) return std::nullopt;
-      return oracle::Answer{
-          hit->t, {hit->normal.x, hit->normal.y, hit->normal.z}, oracle::Feature(hit->feature)};
+      return answerOf(hit);
     };
     const auto report = oracle::compare(subject, truth, rays);
+    std::cout << report.summary() << "\n";
+    return report;
+  }
+
+  /// Paths that are scattered outward at every hit, each ray with the origin that the last hit gives it.
+  oracle::AgreementReport checkPaths(unsigned bounces, std::uint64_t seed) const {
+    const auto tracer = makeTracer(instances);
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> gauss;
+    std::vector<oracle::Ray> segments;
+    std::vector<std::optional<oracle::Answer>> answers;
+    for (const oracle::Ray& start : rays) {
+      Ray ray = toRay(start);
+      if (start.tnear != 0 || tracer->insideSolid(ray.origin)) continue;
+      RayOrigin from;
+      from.maybeInSliver = from.maybeInSolid = false;
+      for (unsigned bounce = 0; bounce <= bounces; ++bounce) {
+        const auto hit = tracer->intersect(ray, from);
+        // From the surface the oracle's ray begins a little later, so that it does not meet where it begins.
+        const double tnear = bounce == 0 ? 0 : 1e-5 * truth.part(0).diagonal() / length(ray.direction);
+        if (!hit || hit->t > tnear) {
+          segments.push_back({{ray.origin.x, ray.origin.y, ray.origin.z},
+                              {ray.direction.x, ray.direction.y, ray.direction.z},
+                              tnear});
+          answers.push_back(answerOf(hit));
+        }
+        if (!hit) break;
+        ray = {
+            hit->position,
+            normalize(hit->normal + normalize(Vector3(gauss(random), gauss(random), gauss(random))) * 0.99)};
+        from = hit->leave(ray.direction);
+      }
+    }
+    const oracle::Subject subject = [&](const oracle::Ray& ray) {
+      return answers[std::size_t(&ray - segments.data())];
+    };
+    const auto report = oracle::compare(subject, truth, segments);
     std::cout << report.summary() << "\n";
     return report;
   }
@@ -96,7 +146,8 @@ TEST(Tracer, PlacedInstancesAgreeWithTheOracle) {
   }
 }
 
-TEST(Tracer, ManyInstancesTogetherAreTheirUnion) {
+/// Solids that touch at a face and that sink into each other.
+Placed heap() {
   Placed scene;
   scene.add(oracle::cube(), 0.1, {}, oracle::rayBudget(8000), 1);
   scene.add(oracle::cube(), 0.1, moved({}, 0.25, 0.1, 1), oracle::rayBudget(8000),
@@ -105,7 +156,16 @@ TEST(Tracer, ManyInstancesTogetherAreTheirUnion) {
             oracle::rayBudget(8000), 3);
   scene.add(oracle::prism(7, 0.9), 0.08, moved(oracle::scaling(-0.7, 0.7, 0.7), -0.8, 0, 0.2),
             oracle::rayBudget(8000), 4);
-  const auto report = scene.check();
+  return scene;
+}
+
+TEST(Tracer, ManyInstancesTogetherAreTheirUnion) {
+  const auto report = heap().check();
+  EXPECT_TRUE(report.agrees()) << report.complaint();
+}
+
+TEST(Tracer, PathsAmongSolidsInSlivers) {
+  const auto report = heap().checkPaths(3, 5);
   EXPECT_TRUE(report.agrees()) << report.complaint();
 }
 
