@@ -220,6 +220,11 @@ struct Query {
     double& place = front ? passages[k].in : passages[k].out;
     place = std::min(place, t);
   }
+  /// Is the hit well beyond a place where the ray left a solid's mesh? Where the hit's object touches the
+  /// solid, a path that goes on from the hit may be back in the mesh, for all that float32 can tell.
+  bool leftBeforeHit(double out) const {
+    return out < best - 0x1p-12 * (double(originSize) / double(directionSize) + best);
+  }
   /// May the hit lie inside the mesh of another solid, by what the ray passed on its way?
   bool hitInPassage() const {
     if (passageCount == 0) return false;
@@ -227,7 +232,7 @@ struct Query {
     const std::uint32_t hit = solid();
     for (unsigned k = 0; k < passageCount; ++k) {
       const Passage& p = passages[k];
-      if (p.in < best && !(p.out < best) && (p.instance != instance || p.solid != hit)) return true;
+      if (p.in < best && !leftBeforeHit(p.out) && (p.instance != instance || p.solid != hit)) return true;
     }
     return false;
   }
@@ -627,7 +632,7 @@ private:
 
   /// Is the hit still in the sliver that the path began in?
   static bool inOwnSliver(const Query& q) {
-    return q.from.onRounding && !q.from.inside && !(q.ownExit < q.best);
+    return q.from.onRounding && !q.from.inside && !q.leftBeforeHit(q.ownExit);
   }
   /// Near an origin that may be in a sliver, the hit may be in the same one.
   static bool maybeInSliver(const Query& q) {
