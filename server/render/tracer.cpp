@@ -166,7 +166,7 @@ float above(double t) {
 /// The ray's way through the mesh of a solid whose rounded solid it does not meet there, as far as it is
 /// known.
 struct Passage {
-  double in = INFINITY, out = INFINITY;
+  double in = INFINITY, out = INFINITY; ///< `out`: surely by then
   std::uint32_t instance = kNone, solid = kNone;
 };
 
@@ -190,7 +190,7 @@ struct Query {
   bool found;
   double keep;               ///< tfar may not fall below this
   double limit;              ///< tfar as Embree has it
-  double ownExit = INFINITY; ///< where the ray leaves the mesh of the solid that its origin is on
+  double ownExit = INFINITY; ///< by where the ray has surely left the mesh of the solid that its origin is on
   Passage passages[4];
   unsigned passageCount = 0;           ///< above the array's size: some are not known
   std::uint32_t frameInstance = kNone; ///< whose frame objectRay is in
@@ -220,11 +220,6 @@ struct Query {
     double& place = front ? passages[k].in : passages[k].out;
     place = std::min(place, t);
   }
-  /// Is the hit well beyond a place where the ray left a solid's mesh? Where the hit's object touches the
-  /// solid, a path that goes on from the hit may be back in the mesh, for all that float32 can tell.
-  bool leftBeforeHit(double out) const {
-    return out < best - 0x1p-12 * (double(originSize) / double(directionSize) + best);
-  }
   /// May the hit lie inside the mesh of another solid, by what the ray passed on its way?
   bool hitInPassage() const {
     if (passageCount == 0) return false;
@@ -232,7 +227,7 @@ struct Query {
     const std::uint32_t hit = solid();
     for (unsigned k = 0; k < passageCount; ++k) {
       const Passage& p = passages[k];
-      if (p.in < best && !leftBeforeHit(p.out) && (p.instance != instance || p.solid != hit)) return true;
+      if (p.in < best && !(p.out < best) && (p.instance != instance || p.solid != hit)) return true;
     }
     return false;
   }
@@ -279,17 +274,29 @@ inline bool surelyFlat(const Query& q, const Instance& in, const TriangleFlat& f
   return flat.holds(hit.u, hit.v, off, slope * slope / (lengthSquared(n) * squared));
 }
 
+/// By where the ray has surely crossed the triangle's plane. Where the hit's object touches a solid, a path
+/// that goes on from the hit may be back in the solid's mesh, for all that float32 can tell.
+double crossedBy(const Query& q, const Instance& in, const RTCRay& ray, const RTCHit& hit) {
+  const Vector3 n(hit.Ng_x, hit.Ng_y, hit.Ng_z), d(ray.dir_x, ray.dir_y, ray.dir_z);
+  const double off = 0x1p-20 * double(q.originSize + ray.tfar * q.directionSize) * double(in.objectScale);
+  return double(ray.tfar) + off * length(n) / std::abs(dot(n, d));
+}
+
 /// What a candidate triangle means for the query: the end of its solid that is hit, or nothing.
-std::optional<RoundedEnd> judge(Query& q, std::uint32_t instance, std::uint32_t facet, float t) {
-  const RoundingView& view = *(*q.instances)[instance].view;
-  const Candidate candidate{facet, double(t)};
+std::optional<RoundedEnd> judge(Query& q, std::uint32_t instance, std::uint32_t facet,
+                                const RTCRay& embreeRay, const RTCHit& hit) {
+  const Instance& in = (*q.instances)[instance];
+  const RoundingView& view = *in.view;
+  const double t = double(embreeRay.tfar);
+  const Candidate candidate{facet, t};
   // The path goes on inward from this very surface: it meets the far end.
   if (q.own(instance, facet)) return farEnd(view, candidate, q.rayFor(instance));
   const Ray& ray = q.rayFor(instance);
   const auto end = firstEndBeyond(view, candidate, ray, q.tnear, q.origin());
-  if (!end || end->feature != Feature::Flat)
-    q.pass(double(t), instance, view.facets[facet].solid,
-           dot(Vector3(view.facets[facet].normal), ray.direction) < 0);
+  if (!end || end->feature != Feature::Flat) {
+    const bool front = dot(Vector3(view.facets[facet].normal), ray.direction) < 0;
+    q.pass(front ? t : crossedBy(q, in, embreeRay, hit), instance, view.facets[facet].solid, front);
+  }
   return end;
 }
 
@@ -311,11 +318,11 @@ void intersectFilter(const RTCFilterFunctionNArguments* args) {
   const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
   const std::uint32_t instance = hit.instID[0], triangle = hit.primID;
   args->valid[0] = 0;
+  const Instance& in = (*q.instances)[instance];
   if (q.leaves(instance, triangle)) {
-    q.ownExit = std::min(q.ownExit, double(ray.tfar));
+    if (q.from.onRounding) q.ownExit = std::min(q.ownExit, crossedBy(q, in, ray, hit));
     return;
   }
-  const Instance& in = (*q.instances)[instance];
   const std::uint32_t facet = in.flats ? in.flats[triangle].facet : kNone;
   bool flat = false;
   if (facet == kNone) {
@@ -323,14 +330,14 @@ void intersectFilter(const RTCFilterFunctionNArguments* args) {
     if (!(double(ray.tfar) < q.best)) return;
     q.best = double(ray.tfar);
   } else if (q.leavesSolid(instance, facet)) {
-    q.ownExit = std::min(q.ownExit, double(ray.tfar));
+    if (q.from.onRounding) q.ownExit = std::min(q.ownExit, crossedBy(q, in, ray, hit));
     return;
   } else if (surelyFlat(q, in, in.flats[triangle], ray, hit) && q.isEnd(instance, facet)) {
     if (!q.counts(double(ray.tfar))) return;
     q.best = double(ray.tfar);
     flat = true;
   } else {
-    const auto end = judge(q, instance, facet, ray.tfar);
+    const auto end = judge(q, instance, facet, ray, hit);
     if (!end || !q.counts(end->t)) return;
     q.best = end->t;
     q.end = *end;
@@ -632,7 +639,7 @@ private:
 
   /// Is the hit still in the sliver that the path began in?
   static bool inOwnSliver(const Query& q) {
-    return q.from.onRounding && !q.from.inside && !q.leftBeforeHit(q.ownExit);
+    return q.from.onRounding && !q.from.inside && !(q.ownExit < q.best);
   }
   /// Near an origin that may be in a sliver, the hit may be in the same one.
   static bool maybeInSliver(const Query& q) {
