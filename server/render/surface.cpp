@@ -51,30 +51,36 @@ const Material* Surfaces::materialOfAll(std::uint32_t instance, std::uint32_t tr
   return &material(s, from);
 }
 
-MeshPlace Surfaces::originalPlace(const MeshForm& f, const TraceHit& hit, Feature feature) const {
-  const RoundingView& view = f.rounding->view();
-  const std::uint32_t source = f.explicitMesh ? f.explicitMesh->source(hit.triangle) : hit.triangle;
-  const std::uint32_t facet = view.facetOfTriangle[source];
-  if (facet == kNone) return {source, hit.u, hit.v};
-  const Transform objectFromWorld = scene_->instances[hit.instance].worldFromObject.inverse();
-  if (f.explicitMesh && feature == Feature::Flat)
-    return f.original->placeOnFacet(facet, objectFromWorld(hit.position));
+bool Surfaces::variesOver(const MeshForm& f, const InstanceSource& s, std::uint32_t solid,
+                          const Material& there) const {
+  return there.hasTexture() || (s.material == kNone && f.original->severalMaterialsOnSolid(solid));
+}
+
+MeshPlace Surfaces::originalPlace(const MeshForm& f, const TraceHit& hit, std::uint32_t facet,
+                                  Feature feature) const {
+  const Transform& worldFromObject = scene_->instances[hit.instance].worldFromObject;
+  const Point3 p = worldFromObject.inverse()(hit.position);
+  if (feature == Feature::Flat) return f.original->placeOnFacet(facet, p);
   const Vector3 normal = f.explicitMesh ? f.explicitMesh->normal({hit.triangle, hit.u, hit.v})
-                                        : normalize(Vector3(objectFromWorld(Normal3(hit.normal))));
-  // A path inside the solid may have met the triangle that it left, and sees the far side all the same.
-  constexpr double kSameNormal = 1 - 1e-9;
-  if (feature == Feature::Flat && dot(normal, Vector3(view.facets[facet].normal)) > kSameNormal)
-    return {source, hit.u, hit.v};
-  return f.original->placeOfRounding(view.facets[facet].solid, objectFromWorld(hit.position), normal);
+                                        : normalize(Vector3(worldFromObject.inverse()(Normal3(hit.normal))));
+  return f.original->placeOfRounding(f.rounding->view().facets[facet].solid, p, normal);
 }
 
 SurfacePlace Surfaces::place(const TraceHit& hit) const {
   const MeshForm* f = form(hit.instance);
   const InstanceSource& s = source(hit.instance);
   SurfacePlace p{{hit.triangle, hit.u, hit.v}, hit.feature, nullptr};
-  if (f && f->explicitMesh) p.feature = f->explicitMesh->feature(hit.triangle);
-  const bool depends = s.material == kNone || scene_->data->materials[s.material].hasTexture();
-  if (f && f->original && depends) p.original = originalPlace(*f, hit, p.feature);
+  if (f && f->explicitMesh) {
+    p.feature = f->explicitMesh->feature(hit.triangle);
+    p.original.triangle = f->explicitMesh->source(hit.triangle);
+  }
+  p.material = &material(s, p.original.triangle);
+  // An exact flat is met on its own triangle.
+  if (!f || !f->original || (!f->explicitMesh && p.feature == Feature::Flat)) return p;
+  const RoundingView& view = f->rounding->view();
+  const std::uint32_t facet = view.facetOfTriangle[p.original.triangle];
+  if (facet == kNone || !variesOver(*f, s, view.facets[facet].solid, *p.material)) return p;
+  p.original = originalPlace(*f, hit, facet, p.feature);
   p.material = &material(s, p.original.triangle);
   return p;
 }

@@ -64,7 +64,11 @@ private:
   }
   /// Null for a studio's own objects.
   const MeshForm* form(std::uint32_t instance) const;
-  MeshPlace originalPlace(const MeshForm& form, const TraceHit& hit, Feature feature) const;
+  /// Has the solid more than one material, or a texture, so that the place on it matters?
+  bool variesOver(const MeshForm& form, const InstanceSource& source, std::uint32_t solid,
+                  const Material& there) const;
+  MeshPlace originalPlace(const MeshForm& form, const TraceHit& hit, std::uint32_t facet,
+                          Feature feature) const;
   const Material& material(const InstanceSource& source, std::uint32_t originalTriangle) const;
   bool textureCoordinates(const TraceHit& hit, const SurfacePlace& place, Float2& uv) const;
   Vector3 textureNormal(const TraceHit& hit, const SurfacePlace& place, const Vector3& normal) const;
