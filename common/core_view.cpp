@@ -3,7 +3,7 @@
 namespace chamfer {
 
 bool CoreView::inCell(CoreFeature& feature, const Vector3& p) const {
-  switch (feature.kind) {
+  switch (feature.kind()) {
   case CoreFeature::Face:
     return inFaceCell(feature, p);
   case CoreFeature::Edge:
@@ -14,7 +14,7 @@ bool CoreView::inCell(CoreFeature& feature, const Vector3& p) const {
 }
 
 bool CoreView::inFaceCell(CoreFeature& feature, const Vector3& p) const {
-  const std::uint32_t f = halfEdge(feature.halfEdge).facet;
+  const std::uint32_t f = halfEdge(feature.halfEdge()).facet;
   const std::uint32_t first = facets_[f].firstHalfEdge();
   const Vector3 n = normal(f);
   double deepest = 0;
@@ -43,17 +43,17 @@ bool CoreView::inFaceCell(CoreFeature& feature, const Vector3& p) const {
 }
 
 bool CoreView::inEdgeCell(CoreFeature& feature, const Vector3& p) const {
-  const HalfEdge h = halfEdge(feature.halfEdge), twin = halfEdge(h.twin);
+  const HalfEdge h = halfEdge(feature.halfEdge()), twin = halfEdge(h.twin);
   const Vector3 a = centre(h.sphere), axis = centre(twin.sphere) - a, q = p - a;
   return inEdgeCell(feature, h, dot(q, axis), lengthSquared(axis), dot(q, cross(axis, normal(h.facet))),
                     dot(q, cross(axis, normal(twin.facet))));
 }
 
 bool CoreView::inVertexCell(CoreFeature& feature, const Vector3& p) const {
-  const Vector3 q = p - start(feature.halfEdge);
+  const Vector3 q = p - start(feature.halfEdge());
   double deepest = 0;
   std::uint32_t border = kNone;
-  std::uint32_t h = feature.halfEdge;
+  std::uint32_t h = feature.halfEdge();
   do {
     const Vector3 axis = end(h) - start(h);
     const double along = dot(q, axis);
@@ -65,7 +65,7 @@ bool CoreView::inVertexCell(CoreFeature& feature, const Vector3& p) const {
       }
     }
     h = nextOutgoing(h);
-  } while (h != feature.halfEdge);
+  } while (h != feature.halfEdge());
   if (border == kNone) return true;
   feature = {CoreFeature::Edge, border};
   return false;

@@ -8,10 +8,18 @@
 
 namespace chamfer {
 
-/// A face, an edge or a vertex of E, named by one of its half-edges: the face on its side, itself, its start.
-struct CoreFeature {
-  enum Kind : std::uint8_t { Face, Edge, Vertex } kind = Face;
-  std::uint32_t halfEdge = 0; ///< local to the solid
+/// A face, an edge or a vertex of E, named by one of its half-edges (local to the solid): the face on its
+/// side, itself, its start. One word, so that copying never waits for parts just written.
+class CoreFeature {
+public:
+  enum Kind : std::uint32_t { Face, Edge, Vertex };
+  CoreFeature() = default;
+  CoreFeature(Kind kind, std::uint32_t halfEdge) : bits_(kind << 30 | halfEdge) {}
+  Kind kind() const { return Kind(bits_ >> 30); }
+  std::uint32_t halfEdge() const { return bits_ & 0x3fffffffu; }
+
+private:
+  std::uint32_t bits_ = 0;
 };
 
 class CoreView {
@@ -62,9 +70,9 @@ public:
         next = {kind, halfEdgeIndex};
       }
     };
-    consider(-along, CoreFeature::Vertex, feature.halfEdge);
+    consider(-along, CoreFeature::Vertex, feature.halfEdge());
     consider(along - squared, CoreFeature::Vertex, h.twin);
-    consider(-outFace, CoreFeature::Face, feature.halfEdge);
+    consider(-outFace, CoreFeature::Face, feature.halfEdge());
     consider(outTwin, CoreFeature::Face, h.twin);
     feature = next;
     return !(deepest > 0);

@@ -32,7 +32,8 @@ struct Step {
 
 /// `w`, `d`: the line relative to the axis or centre, with the part along the axis removed; `whole`: squared
 /// length of the direction with it.
-void meetOffset(Step& step, const Vector3& w, const Vector3& d, double whole, double r) {
+[[gnu::always_inline]] inline void meetOffset(Step& step, const Vector3& w, const Vector3& d, double whole,
+                                              double r) {
   const double a = lengthSquared(d);
   if (!(a > 1e-28 * whole)) return;
   const double nearest = -dot(w, d) / a;
@@ -43,8 +44,9 @@ void meetOffset(Step& step, const Vector3& w, const Vector3& d, double whole, do
   step.outward = w + d * step.t;
 }
 
-void meetFace(Step& step, const CoreView& core, const Vector3& o, const Vector3& d) {
-  const std::uint32_t facet = core.halfEdge(step.next.halfEdge).facet;
+[[gnu::always_inline]] inline void meetFace(Step& step, const CoreView& core, const Vector3& o,
+                                            const Vector3& d) {
+  const std::uint32_t facet = core.halfEdge(step.next.halfEdge()).facet;
   const Vector3 n = core.normal(facet);
   const double slope = dot(n, d);
   if (!(slope < 0)) return;
@@ -54,13 +56,15 @@ void meetFace(Step& step, const CoreView& core, const Vector3& o, const Vector3&
   step.settled = core.inCell(step.next, o + d * step.t);
 }
 
-void meetVertex(Step& step, const CoreView& core, const Vector3& o, const Vector3& d) {
-  meetOffset(step, o - core.start(step.next.halfEdge), d, lengthSquared(d), core.radius());
+[[gnu::always_inline]] inline void meetVertex(Step& step, const CoreView& core, const Vector3& o,
+                                              const Vector3& d) {
+  meetOffset(step, o - core.start(step.next.halfEdge()), d, lengthSquared(d), core.radius());
   if (step.bounded) step.settled = core.inCell(step.next, o + d * step.t);
 }
 
-void meetEdge(Step& step, const CoreView& core, const Vector3& o, const Vector3& d) {
-  const HalfEdge h = core.halfEdge(step.next.halfEdge), twin = core.halfEdge(h.twin);
+[[gnu::always_inline]] inline void meetEdge(Step& step, const CoreView& core, const Vector3& o,
+                                            const Vector3& d) {
+  const HalfEdge h = core.halfEdge(step.next.halfEdge()), twin = core.halfEdge(h.twin);
   const Vector3 a = core.centre(h.sphere), axis = core.centre(twin.sphere) - a, w = o - a;
   const double squared = lengthSquared(axis), whole = lengthSquared(d);
   if (!(squared > 0)) { // two centres that coincide
@@ -78,10 +82,11 @@ void meetEdge(Step& step, const CoreView& core, const Vector3& o, const Vector3&
                       dot(step.outward, cross(axis, core.normal(twin.facet))));
 }
 
-Step stepAt(const CoreView& core, const CoreFeature& feature, const Vector3& o, const Vector3& d) {
+[[gnu::always_inline]] inline Step stepAt(const CoreView& core, const CoreFeature& feature, const Vector3& o,
+                                          const Vector3& d) {
   Step step;
   step.next = feature;
-  switch (feature.kind) {
+  switch (feature.kind()) {
   case CoreFeature::Face:
     meetFace(step, core, o, d);
     break;
@@ -97,13 +102,13 @@ Step stepAt(const CoreView& core, const CoreFeature& feature, const Vector3& o, 
 
 /// Where to go when the feature gives no place on the line: to the side that the line comes from.
 CoreFeature upstream(const CoreView& core, const CoreFeature& feature, const Vector3& d) {
-  const HalfEdge he = core.halfEdge(feature.halfEdge);
-  if (feature.kind == CoreFeature::Edge) {
-    const Vector3 axis = core.end(feature.halfEdge) - core.start(feature.halfEdge);
-    return {CoreFeature::Vertex, dot(axis, d) > 0 ? feature.halfEdge : he.twin};
+  const HalfEdge he = core.halfEdge(feature.halfEdge());
+  if (feature.kind() == CoreFeature::Edge) {
+    const Vector3 axis = core.end(feature.halfEdge()) - core.start(feature.halfEdge());
+    return {CoreFeature::Vertex, dot(axis, d) > 0 ? feature.halfEdge() : he.twin};
   }
   const Vector3 n = core.normal(he.facet);
-  std::uint32_t best = feature.halfEdge;
+  std::uint32_t best = feature.halfEdge();
   double deepest = -INFINITY;
   for (std::uint32_t h = core.facet(he.facet).firstHalfEdge();
        h < core.halfEdgeCount() && core.halfEdge(h).facet == he.facet; ++h) {
@@ -125,15 +130,15 @@ struct Offset {
 };
 
 Offset offsetFrom(const CoreView& core, const CoreFeature& feature, const Vector3& p) {
-  const HalfEdge he = core.halfEdge(feature.halfEdge);
-  if (feature.kind == CoreFeature::Face) {
+  const HalfEdge he = core.halfEdge(feature.halfEdge());
+  if (feature.kind() == CoreFeature::Face) {
     const Vector3 n = core.normal(he.facet);
     return {n, dot(n, p) - (double(core.facet(he.facet).offset) - core.radius())};
   }
   const Vector3 c = core.centre(he.sphere);
   Vector3 w = p - c;
-  if (feature.kind == CoreFeature::Edge) {
-    const Vector3 axis = core.end(feature.halfEdge) - c;
+  if (feature.kind() == CoreFeature::Edge) {
+    const Vector3 axis = core.end(feature.halfEdge()) - c;
     const double squared = lengthSquared(axis);
     if (squared > 0) w -= axis * (dot(w, axis) / squared);
   }
@@ -143,14 +148,14 @@ Offset offsetFrom(const CoreView& core, const CoreFeature& feature, const Vector
 }
 
 Feature featureOf(const CoreFeature& feature) {
-  return feature.kind == CoreFeature::Face   ? Feature::Flat
-         : feature.kind == CoreFeature::Edge ? Feature::Cylinder
-                                             : Feature::Sphere;
+  return feature.kind() == CoreFeature::Face   ? Feature::Flat
+         : feature.kind() == CoreFeature::Edge ? Feature::Cylinder
+                                               : Feature::Sphere;
 }
 
 std::optional<RoundedEnd> answer(const CoreFeature& feature, const Step& step) {
   if (!step.hit) return std::nullopt;
-  return RoundedEnd{step.t, feature.kind == CoreFeature::Face ? step.outward : normalize(step.outward),
+  return RoundedEnd{step.t, feature.kind() == CoreFeature::Face ? step.outward : normalize(step.outward),
                     featureOf(feature)};
 }
 
@@ -225,7 +230,7 @@ CoreFeature nearestFeature(const CoreView& core, const Vector3& p, std::uint32_t
   CoreFeature feature = towards;
   for (std::uint32_t i = 0; i < 64; ++i) {
     if (!core.inCell(feature, p)) continue;
-    if (feature.kind == CoreFeature::Face && !aboveFace(core, feature, p)) break;
+    if (feature.kind() == CoreFeature::Face && !aboveFace(core, feature, p)) break;
     return feature;
   }
   return nearestOfAll(core, p);
@@ -244,7 +249,7 @@ std::optional<RoundedEnd> guardedEntry(const CoreView& core, const Vector3& o, c
   };
   for (int i = 0; i < 100; ++i) {
     const Vector3 p = o + d * t;
-    feature = nearestFeature(core, p, feature.halfEdge);
+    feature = nearestFeature(core, p, feature.halfEdge());
     if (const Step step = stepAt(core, feature, o, d); step.settled) return answer(feature, step);
     const Offset offset = offsetFrom(core, feature, p);
     const double excess = offset.distance - core.radius(), slope = dot(offset.direction, d);

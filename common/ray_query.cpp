@@ -30,7 +30,7 @@ Detection detect(const RoundingView& view, std::uint32_t solid, std::uint32_t fa
   if (!record.hasTree()) {
     CoreFeature feature{CoreFeature::Face, record.firstHalfEdge()};
     const bool flat = core.inCell(feature, q);
-    return {!flat, feature.halfEdge};
+    return {!flat, feature.halfEdge()};
   }
   const auto root = std::lower_bound(view.treeRoots.begin(), view.treeRoots.end(), facet,
                                      [](const TreeRoot& r, std::uint32_t f) { return r.facet < f; });
@@ -203,7 +203,7 @@ bool contains(const RoundingView& view, std::uint32_t solid, const Point3& point
   const FacetRecord& facet = view.facets[over];
   CoreFeature feature{CoreFeature::Face, facet.firstHalfEdge()};
   if (!facet.vanished() && core.inCell(feature, p)) return true;
-  return nearCore(core, p, feature.halfEdge);
+  return nearCore(core, p, feature.halfEdge());
 }
 
 } // namespace chamfer

@@ -14,9 +14,22 @@ enum class Feature : std::uint8_t { Flat, Cylinder, Sphere };
 
 /// One end of the interval of a line inside R.
 struct RoundedEnd {
-  double t;
+  double t = 0;
   Vector3 normal; ///< unit, outward
-  Feature feature;
+  Feature feature = Feature::Flat;
+
+  RoundedEnd() = default;
+  RoundedEnd(double t_, const Vector3& n, Feature f) : t(t_), normal(n.x, n.y, n.z), feature(f) {}
+  /// Number by number: a copy in wide words would wait for the narrow stores just before it.
+  RoundedEnd(const RoundedEnd& o) : RoundedEnd(o.t, o.normal, o.feature) {}
+  RoundedEnd& operator=(const RoundedEnd& o) {
+    t = o.t;
+    normal.x = o.normal.x;
+    normal.y = o.normal.y;
+    normal.z = o.normal.z;
+    feature = o.feature;
+    return *this;
+  }
 };
 
 /// A line's interval inside R.
