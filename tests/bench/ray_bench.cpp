@@ -18,7 +18,7 @@ namespace {
 
 using namespace chamfer;
 
-constexpr int kSide = 30; ///< boxes along each side of the field
+constexpr int kSide = 150; ///< boxes along each side of the field
 constexpr double kRadius = 0.028;
 constexpr unsigned kWidth = 480, kHeight = 320;
 
