@@ -27,6 +27,9 @@ public:
   Ray operator()(const Ray& r) const { return {(*this)(r.origin), (*this)(r.direction)}; }
 
   Transform inverse() const;
+  /// As inverse()(p), without making the inverse.
+  Point3 applyInverse(const Point3& p) const { return apply(inv_, p); }
+  Ray applyInverse(const Ray& r) const { return {apply(inv_, r.origin), applyLinear(inv_, r.direction)}; }
   /// (a * b)(p) == a(b(p))
   Transform operator*(const Transform& b) const;
   const std::array<std::array<double, 4>, 3>& rows() const { return m_; }
