@@ -1,9 +1,13 @@
-// What the rounding costs in ray queries alone, without shading: 22,500 boxes in one mesh, seen from above.
-// Every pixel costs a camera ray and, from where that hits, a ray in a random direction and a shadow ray. The
-// variants change the rounding only: none, analytic, explicit meshes of 1, 3 and 10 segments.
+// What the rounding costs in ray queries alone, without shading, and what its structures bring.
+//
+// rays/*: 22,500 boxes in one mesh, seen from above. Every pixel costs a camera ray and, from where that
+// hits, a ray in a random direction and a shadow ray. The variants change the rounding only: none, analytic,
+// explicit meshes of 1, 3 and 10 segments. zone/*: the zone test of points on the cap of a prism of N sides,
+// by the kd-tree over the cap's detection cylinders and by going through all of them.
 //
 // Google Benchmark's options apply; unless told otherwise the variants are interleaved at random and
 // repeated, and medians are to be compared.
+#include "common/core_view.h"
 #include "preprocess/explicit_mesh.h"
 #include "preprocess/preprocess.h"
 #include "server/render/tracer.h"
@@ -124,16 +128,80 @@ void traceField(benchmark::State& state, TracedInstance (*make)(unsigned), unsig
   state.counters["bytes"] = double(tracer->memoryBytes());
 }
 
+TriangleMesh prism(std::uint32_t sides) {
+  TriangleMesh mesh;
+  for (const double z : {-0.5, 0.5})
+    for (std::uint32_t i = 0; i < sides; ++i)
+      mesh.positions.push_back({std::cos(2 * M_PI * i / sides), std::sin(2 * M_PI * i / sides), z});
+  for (std::uint32_t i = 0; i < sides; ++i) {
+    const std::uint32_t j = (i + 1) % sides;
+    mesh.triangles.push_back({i, j, sides + j});
+    mesh.triangles.push_back({i, sides + j, sides + i});
+    if (i > 0 && j > 0) {
+      mesh.triangles.push_back({0, j, i});
+      mesh.triangles.push_back({sides, sides + i, sides + j});
+    }
+  }
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    mesh.faceOfTriangle.push_back(t);
+  return mesh;
+}
+
+/// A prism and points spread over its upper cap, most of them near the border, in the solid's frame.
+struct Cap {
+  explicit Cap(int sides) {
+    PreprocessOptions options;
+    options.radius = {0.3 * M_PI / sides, false};
+    rounding = preprocess(prism(std::uint32_t(sides)), options).rounding;
+    const RoundingView& view = rounding->view();
+    while (view.facets[facet].normal.z < 0.9f)
+      ++facet;
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> share(0, 1);
+    for (int i = 0; i < 4096; ++i) {
+      const double angle = 2 * M_PI * share(random), radius = std::sqrt(std::sqrt(share(random)));
+      points.push_back(
+          {radius * std::cos(angle), radius * std::sin(angle), double(view.facets[facet].offset)});
+    }
+  }
+  std::shared_ptr<const Rounding> rounding;
+  std::uint32_t facet = 0;
+  std::vector<Point3> points;
+};
+
+void zoneByTree(benchmark::State& state) {
+  const Cap cap(int(state.range(0)));
+  const RoundingView& view = cap.rounding->view();
+  for (auto _ : state)
+    for (const Point3& p : cap.points)
+      benchmark::DoNotOptimize(detect(view, 0, cap.facet, p));
+  state.SetItemsProcessed(state.iterations() * std::int64_t(cap.points.size()));
+}
+
+void zoneByLoop(benchmark::State& state) {
+  const Cap cap(int(state.range(0)));
+  const RoundingView& view = cap.rounding->view();
+  const CoreView core(view, 0);
+  for (auto _ : state)
+    for (const Point3& p : cap.points) {
+      CoreFeature feature(CoreFeature::Face, view.facets[cap.facet].firstHalfEdge());
+      benchmark::DoNotOptimize(core.inCell(feature, Vector3(p)));
+    }
+  state.SetItemsProcessed(state.iterations() * std::int64_t(cap.points.size()));
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
   const auto none = [](unsigned) { return sharp(field()); };
   const auto rounded = [](unsigned) { return analytic(); };
-  benchmark::RegisterBenchmark("none", traceField, none, 0u);
-  benchmark::RegisterBenchmark("analytic", traceField, rounded, 0u);
+  benchmark::RegisterBenchmark("rays/none", traceField, none, 0u);
+  benchmark::RegisterBenchmark("rays/analytic", traceField, rounded, 0u);
   for (const unsigned segments : {1u, 3u, 10u})
-    benchmark::RegisterBenchmark(("mesh:" + std::to_string(segments)).c_str(), traceField, &explicitly,
+    benchmark::RegisterBenchmark(("rays/mesh:" + std::to_string(segments)).c_str(), traceField, &explicitly,
                                  segments);
+  benchmark::RegisterBenchmark("zone/tree", zoneByTree)->RangeMultiplier(4)->Range(8, 2048);
+  benchmark::RegisterBenchmark("zone/loop", zoneByLoop)->RangeMultiplier(4)->Range(8, 2048);
   std::vector<char*> arguments(argv, argv + argc);
   std::string defaults[] = {"--benchmark_enable_random_interleaving=true", "--benchmark_repetitions=7",
                             "--benchmark_report_aggregates_only=true", "--benchmark_min_time=0.3"};
