@@ -1,6 +1,7 @@
 #include "server/render/mesh_library.h"
 
 #include "common/error.h"
+#include "preprocess/inradius.h"
 #include "server/render/scene_files.h"
 
 namespace chamfer {
@@ -47,8 +48,22 @@ PreprocessResult round(const SceneMesh& mesh, const Radius& radius, unsigned thr
   return preprocess(*mesh.mesh, options);
 }
 
+/// Of the solids of a rounding, from their facets alone.
+double smallestInradius(const RoundingView& view) {
+  double smallest = INFINITY;
+  std::vector<Plane> planes;
+  for (std::size_t i = 0; i < view.solidCount(); ++i) {
+    planes.clear();
+    for (std::uint32_t f = view.solids[i].firstFacet; f < view.solids[i + 1].firstFacet; ++f)
+      planes.push_back({Vector3(view.facets[f].normal), double(view.facets[f].offset)});
+    smallest = std::min(smallest, largestBall(planes, view.solids[i].boundRadius).radius);
+  }
+  return std::isfinite(smallest) ? smallest : 0;
+}
+
 /// The largest radius that the mesh admits; 0 when it cannot be rounded at all.
 double largestRadius(const SceneMesh& mesh, unsigned threads) {
+  if (mesh.rounding) return smallestInradius(mesh.rounding->view());
   try {
     return round(mesh, {1e-6, true}, threads).report.maxRadius; // a radius small enough for any solid
   } catch (const Error& e) {
