@@ -86,7 +86,7 @@ public:
     if (own(met.instance, f)) {
       // From its own surface inward a path leaves the rounded solid before the mesh. That far side counts as
       // flat: which feature it is need not be found out.
-      return from.inside && leaving(met.instance, f);
+      return from.inside && counts(double(met.t)) && leaving(met.instance, f);
     }
     if (isSurelyFlat(in, met) && isEnd(met.instance, f) && counts(double(met.t))) return true;
     const auto feature =
