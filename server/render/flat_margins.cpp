@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include <thread>
 
 namespace chamfer {
 namespace {
 
 /// Facets with more sides than this are left to their trees: the work for a triangle grows with the sides.
 constexpr std::size_t kMostSides = 64;
+/// Triangles that are worth a thread.
+constexpr std::size_t kShare = 8192;
 /// A barycentric coordinate may be off by this.
 constexpr double kDoubt = 1.0 / TriangleFlat::kUnit;
 
@@ -157,11 +158,18 @@ private:
 
 std::vector<TriangleFlat> flatMargins(const RoundingView& view, const TriangleMesh& mesh, double size) {
   std::vector<TriangleFlat> flats(view.facetOfTriangle.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, flats.size(), 4096), [&](const auto& some) {
+  const std::size_t threads =
+      std::clamp<std::size_t>(flats.size() / kShare, 1, std::max(1u, std::thread::hardware_concurrency()));
+  const auto work = [&](std::size_t part) {
     Worker worker(view, mesh, size);
-    for (std::size_t t = some.begin(); t < some.end(); ++t)
+    for (std::size_t t = flats.size() * part / threads; t < flats.size() * (part + 1) / threads; ++t)
       flats[t] = worker.of(t);
-  });
+  };
+  std::vector<std::jthread> others;
+  for (std::size_t part = 1; part < threads; ++part)
+    others.emplace_back(work, part);
+  work(0);
+  others.clear(); // joins
   return flats;
 }
 
