@@ -109,29 +109,39 @@ Approach approach(const RoundingView& view, const Candidate& candidate, const Ve
   return a;
 }
 
-/// Is the point inside every plane of the solid moved inward by `margin`? Nothing where there are many.
-std::optional<bool> withinPlanes(const RoundingView& view, std::uint32_t solid, const Vector3& p,
-                                 double margin) {
-  const std::uint32_t begin = view.solids[solid].firstFacet, end = view.solids[solid + 1].firstFacet;
-  if (end - begin > 32) return std::nullopt;
-  for (std::uint32_t f = begin; f < end; ++f)
+/// A solid with more facets is not looked at plane by plane.
+bool hasFewFacets(const RoundingView& view, std::uint32_t solid) {
+  return view.solids[solid + 1].firstFacet - view.solids[solid].firstFacet <= 32;
+}
+
+/// Is the point (solid's frame) inside every plane of the solid moved inward by `margin`?
+bool withinPlanes(const RoundingView& view, std::uint32_t solid, const Vector3& p, double margin) {
+  for (std::uint32_t f = view.solids[solid].firstFacet; f < view.solids[solid + 1].firstFacet; ++f)
     if (dot(Vector3(view.facets[f].normal), p) > double(view.facets[f].offset) - margin) return false;
   return true;
 }
 
+/// Is the point in P, or on it for all that float32 can tell?
+bool inOrOnSolid(const RoundingView& view, std::uint32_t solid, const Vector3& p) {
+  return withinPlanes(view, solid, p, -0x1p-20 * view.solids[solid].boundRadius);
+}
+
 /// Is the point inside E? False without looking where a solid has many facets.
 bool inCore(const RoundingView& view, std::uint32_t solid, const Vector3& p) {
-  return withinPlanes(view, solid, p, double(view.solids[solid].radius)).value_or(false);
+  return hasFewFacets(view, solid) && withinPlanes(view, solid, p, double(view.solids[solid].radius));
 }
 
 /// May the point be inside P?
 bool maybeInSolid(const RoundingView& view, std::uint32_t solid, const Vector3& p) {
   const double bound = view.solids[solid].boundRadius;
-  if (lengthSquared(p) > bound * bound) return false;
-  return withinPlanes(view, solid, p, -0x1p-20 * bound).value_or(true);
+  return lengthSquared(p) <= bound * bound && (!hasFewFacets(view, solid) || inOrOnSolid(view, solid, p));
 }
 
 } // namespace
+
+bool inUnroundedSolid(const RoundingView& view, std::uint32_t solid, const Point3& point) {
+  return inOrOnSolid(view, solid, Vector3(point) - solidOrigin(view.solids[solid]));
+}
 
 std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candidate& candidate, const Ray& ray,
                                          double tnear, OriginIs origin) {

@@ -86,6 +86,9 @@ std::optional<Feature> endWithin(const RoundingView& view, const Candidate& cand
 /// inside a solid from its own surface. A front-facing candidate answers nothing: a back-facing one speaks.
 std::optional<RoundedEnd> farEnd(const RoundingView& view, const Candidate& candidate, const Ray& ray);
 
+/// Is a point of the mesh's frame in the unmodified solid P, or on its surface for all that float32 can tell?
+bool inUnroundedSolid(const RoundingView& view, std::uint32_t solid, const Point3& point);
+
 /// Is a point of the mesh's frame in the rounded solid? Takes time linear in the solid's facets.
 bool contains(const RoundingView& view, std::uint32_t solid, const Point3& point);
 

@@ -22,18 +22,22 @@ bool clientHas(const Request& request, std::string_view etag) {
   }
 }
 
-Response cacheable(const Request& request, std::string body, const char* contentType,
-                   const char* cacheControl) {
-  const std::string etag = '"' + digestOf(body).hex() + '"';
+Response taggedAnswer(const Request& request, const std::string& etag, const char* contentType,
+                      const char* cacheControl) {
   Response response;
   response.headers.emplace_back("ETag", etag);
   response.headers.emplace_back("Cache-Control", cacheControl);
-  if (clientHas(request, etag)) {
+  if (clientHas(request, etag))
     response.status = 304;
-    return response;
-  }
-  response.contentType = contentType;
-  response.body = std::move(body);
+  else
+    response.contentType = contentType;
+  return response;
+}
+
+Response cacheable(const Request& request, std::string body, const char* contentType,
+                   const char* cacheControl) {
+  Response response = taggedAnswer(request, '"' + digestOf(body).hex() + '"', contentType, cacheControl);
+  if (response.status != 304) response.body = std::move(body);
   return response;
 }
 

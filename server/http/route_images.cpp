@@ -37,15 +37,8 @@ std::string encoded(const Image& image, const TileRequest& wanted) {
 Response imageRoute(const Parts& parts, const Request& request, const std::shared_ptr<const Scene>& scene,
                     const TileRequest& wanted) {
   const std::string etag = '"' + answerDigest(scene->id, wanted).hex() + '"';
-  Response response;
-  response.headers.emplace_back("ETag", etag);
-  response.headers.emplace_back("Cache-Control", kForever);
-  if (clientHas(request, etag)) {
-    response.status = 304;
-    return response;
-  }
-  response.contentType = contentTypeOf(wanted.format);
-  if (request.method == "HEAD") return response; // known without rendering
+  Response response = taggedAnswer(request, etag, contentTypeOf(wanted.format), kForever);
+  if (response.status == 304 || request.method == "HEAD") return response; // known without rendering
 
   StageTiming timing(parts.metrics);
   const RenderQueue::Slot slot = parts.queue.acquire(request.client, request.cancelled);

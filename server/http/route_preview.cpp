@@ -14,15 +14,8 @@ Response previewRoute(const Parts& parts, const Request& request, const Catalogu
   const auto scene = readyScene(entry);
   if (name != scene->id.hex()) return redirectToId(request, *scene, "preview.glb");
   const std::string etag = '"' + digestOf(std::string(kVersion) + "|preview|" + scene->id.hex()).hex() + '"';
-  Response response;
-  response.headers.emplace_back("ETag", etag);
-  response.headers.emplace_back("Cache-Control", kForever);
-  if (clientHas(request, etag)) {
-    response.status = 304;
-    return response;
-  }
-  response.contentType = "model/gltf-binary";
-  if (request.method == "HEAD") return response;
+  Response response = taggedAnswer(request, etag, "model/gltf-binary", kForever);
+  if (response.status == 304 || request.method == "HEAD") return response;
 
   // In a slot, since it takes as much memory as a small render.
   StageTiming timing(parts.metrics);

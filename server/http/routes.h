@@ -76,6 +76,10 @@ std::shared_ptr<const PreparedScene> preparedFor(const Parts& parts,
 
 /// 307 to the same resource of the scene's id. `rest`: the path below the scene, still encoded.
 Response redirectToId(const Request& request, const Scene& scene, const std::string& rest);
+/// An answer without its body yet: ETag `etag` (with its quotes) and Cache-Control; 304 when the client has
+/// it already.
+Response taggedAnswer(const Request& request, const std::string& etag, const char* contentType,
+                      const char* cacheControl);
 /// 200 with `body`, or 304 when the client has it already. The ETag is the body's digest.
 Response cacheable(const Request& request, std::string body, const char* contentType,
                    const char* cacheControl);

@@ -59,7 +59,7 @@ bool Surfaces::variesOver(const MeshForm& f, const InstanceSource& s, std::uint3
 MeshPlace Surfaces::originalPlace(const MeshForm& f, const TraceHit& hit, std::uint32_t facet,
                                   Feature feature) const {
   const Transform& worldFromObject = scene_->instances[hit.instance].worldFromObject;
-  const Point3 p = worldFromObject.inverse()(hit.position);
+  const Point3 p = worldFromObject.applyInverse(hit.position);
   if (feature == Feature::Flat) return f.original->placeOnFacet(facet, p);
   const Vector3 normal = f.explicitMesh ? f.explicitMesh->normal({hit.triangle, hit.u, hit.v})
                                         : normalize(Vector3(worldFromObject.inverse()(Normal3(hit.normal))));

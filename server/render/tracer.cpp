@@ -62,13 +62,7 @@ void insideFilter(const RTCFilterFunctionNArguments* args) {
   args->valid[0] = 0;
   if (!in.flats || in.flats[hit.primID].facet == kNone) return;
   const std::uint32_t solid = in.view->facets[in.flats[hit.primID].facet].solid;
-  const SolidRecord &record = in.view->solids[solid], &end = in.view->solids[solid + 1];
-  const Vector3 p = in.worldFromObject->applyInverse(q.point) -
-                    Point3(record.origin[0], record.origin[1], record.origin[2]);
-  const double slack = 0x1p-20 * record.boundRadius; // on the surface is inside
-  for (std::uint32_t f = record.firstFacet; f < end.firstFacet; ++f)
-    if (dot(Vector3(in.view->facets[f].normal), p) > double(in.view->facets[f].offset) + slack) return;
-  args->valid[0] = -1;
+  if (inUnroundedSolid(*in.view, solid, in.worldFromObject->applyInverse(q.point))) args->valid[0] = -1;
 }
 
 class EmbreeTracer final : public Tracer {
