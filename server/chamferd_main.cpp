@@ -2,7 +2,7 @@
 #include "common/error.h"
 #include "server/http/serve_command.h"
 #include "server/http/version.h"
-#include "server/render/render_command.h"
+#include "server/render/cli/render_command.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>

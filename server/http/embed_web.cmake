@@ -1,5 +1,5 @@
 # Writes OUTPUT, a C++ file that holds the page's files: cmake -DROOT=web -DOUTPUT=x.cpp -DFILES=a;b -P embed_web.cmake
-set(text "#include \"server/http/embedded_files.h\"\n\nnamespace chamfer::http {\nnamespace {\n\n")
+set(text "#include \"server/http/routes/embedded_files.h\"\n\nnamespace chamfer::http {\nnamespace {\n\n")
 set(table "")
 set(index 0)
 foreach(file IN LISTS FILES)

@@ -1,7 +1,7 @@
 #include "server/http/serve_command.h"
 
-#include "server/http/http_server.h"
-#include "server/http/log.h"
+#include "server/http/connection/http_server.h"
+#include "server/http/monitoring/log.h"
 #include "server/http/service.h"
 
 #include <csignal>

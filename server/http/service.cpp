@@ -1,7 +1,7 @@
 #include "server/http/service.h"
 
-#include "server/http/log.h"
-#include "server/http/url.h"
+#include "server/http/connection/url.h"
+#include "server/http/monitoring/log.h"
 
 #include <algorithm>
 #include <random>

@@ -2,10 +2,10 @@
 // answer, adds what all answers carry, and writes the request log.
 #pragma once
 
-#include "server/http/connection_loop.h"
-#include "server/http/problem.h"
-#include "server/http/route_table.h"
-#include "server/http/routes.h"
+#include "server/http/connection/connection_loop.h"
+#include "server/http/routes/problem.h"
+#include "server/http/routes/route_table.h"
+#include "server/http/routes/routes.h"
 
 #include <atomic>
 #include <memory>

@@ -10,7 +10,7 @@
 #include "common/core_view.h"
 #include "preprocess/explicit_mesh.h"
 #include "preprocess/preprocess.h"
-#include "server/render/tracer.h"
+#include "server/render/tracing/tracer.h"
 #include "tests/oracle/convex_families.h"
 #include "tests/support/mesh_of.h"
 

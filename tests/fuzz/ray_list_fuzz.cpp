@@ -1,7 +1,7 @@
 // The body of POST .../rays: any bytes are refused with a Problem, or are rays that a tracer can work with.
-#include "server/http/problem.h"
-#include "server/http/ray_list.h"
-#include "server/http/schema.h"
+#include "server/http/routes/problem.h"
+#include "server/http/routes/ray_list.h"
+#include "server/http/schema/schema.h"
 #include "tests/fuzz/require.h"
 
 #include <cmath>

@@ -1,10 +1,10 @@
 // What a stranger sends first: a request's head, its target, the tile or frame that the target names. Any
 // bytes are refused with a Problem or give a request within its limits; nothing else may happen.
-#include "server/http/problem.h"
-#include "server/http/request_head.h"
-#include "server/http/route_table.h"
-#include "server/http/schema.h"
-#include "server/http/tile_request.h"
+#include "server/http/connection/request_head.h"
+#include "server/http/routes/problem.h"
+#include "server/http/routes/route_table.h"
+#include "server/http/routes/tile_request.h"
+#include "server/http/schema/schema.h"
 #include "tests/fuzz/require.h"
 
 #include <cmath>

@@ -1,8 +1,8 @@
 // Scene files: any bytes are refused as malformed, or are a scene whose references hold. Files that a scene
 // names are found below the served folder or not at all.
 #include "common/error.h"
-#include "server/render/scene_description.h"
-#include "server/render/scene_files.h"
+#include "server/render/scene/scene_description.h"
+#include "server/render/scene/scene_files.h"
 #include "tests/fuzz/require.h"
 
 #include <filesystem>

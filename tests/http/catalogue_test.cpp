@@ -1,6 +1,6 @@
-#include "server/http/catalogue.h"
+#include "server/http/catalogue/catalogue.h"
 
-#include "server/http/log.h"
+#include "server/http/monitoring/log.h"
 #include "tests/http/scene_folder.h"
 
 #include <filesystem>

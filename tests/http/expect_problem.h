@@ -1,7 +1,7 @@
 // Expectations about ProblemErrors.
 #pragma once
 
-#include "server/http/problem.h"
+#include "server/http/routes/problem.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/http/log.h"
+#include "server/http/monitoring/log.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

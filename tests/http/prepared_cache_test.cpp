@@ -1,4 +1,4 @@
-#include "server/http/prepared_cache.h"
+#include "server/http/catalogue/prepared_cache.h"
 
 #include "common/error.h"
 #include "preprocess/explicit_mesh.h"

@@ -1,6 +1,6 @@
 // Scenes follow their files: every kind of file that a scene is made of, files that are half written,
 // requests under way meanwhile, and memory that does not suffice.
-#include "server/render/image_io.h"
+#include "server/render/image/image_io.h"
 #include "tests/http/metrics_text.h"
 #include "tests/http/service_fixture.h"
 

@@ -1,4 +1,4 @@
-#include "server/http/render_queue.h"
+#include "server/http/queue/render_queue.h"
 
 #include "tests/http/expect_problem.h"
 

@@ -1,6 +1,6 @@
-#include "server/http/request_head.h"
+#include "server/http/connection/request_head.h"
 
-#include "server/http/schema.h"
+#include "server/http/schema/schema.h"
 
 #include <gtest/gtest.h>
 

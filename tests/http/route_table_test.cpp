@@ -1,6 +1,6 @@
-#include "server/http/route_table.h"
+#include "server/http/routes/route_table.h"
 
-#include "server/http/url.h"
+#include "server/http/connection/url.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // A service on a real socket, with one scene "cube".
 #pragma once
 
-#include "server/http/http_server.h"
-#include "server/render/image_io.h"
+#include "server/http/connection/http_server.h"
+#include "server/render/image/image_io.h"
 #include "tests/http/http_client.h"
 #include "tests/http/service_fixture.h"
 

@@ -1,7 +1,7 @@
 // A service over a temporary folder of scenes, asked without sockets.
 #pragma once
 
-#include "server/http/log.h"
+#include "server/http/monitoring/log.h"
 #include "server/http/service.h"
 #include "tests/http/scene_folder.h"
 

@@ -1,5 +1,5 @@
 // Routes without sockets: who is let in, what is found, what errors look like.
-#include "server/http/schema.h"
+#include "server/http/schema/schema.h"
 #include "server/http/version.h"
 #include "tests/http/service_fixture.h"
 

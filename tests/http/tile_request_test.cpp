@@ -1,6 +1,6 @@
-#include "server/http/tile_request.h"
+#include "server/http/routes/tile_request.h"
 
-#include "server/http/schema.h"
+#include "server/http/schema/schema.h"
 #include "tests/http/expect_problem.h"
 
 #include <cstdlib>

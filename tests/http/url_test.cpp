@@ -1,4 +1,4 @@
-#include "server/http/url.h"
+#include "server/http/connection/url.h"
 
 #include "tests/http/expect_problem.h"
 

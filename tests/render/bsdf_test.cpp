@@ -1,4 +1,4 @@
-#include "server/render/bsdf.h"
+#include "server/render/material/bsdf.h"
 
 #include "tests/render/direction_chi_squared.h"
 

@@ -1,7 +1,7 @@
 // Chi-squared test of direction samplers on the sphere.
 #pragma once
 
-#include "server/render/warp.h"
+#include "server/render/path/warp.h"
 #include "tests/render/chi_squared.h"
 
 #include <optional>

@@ -1,7 +1,7 @@
 // Rays that start far from the scene, or whose directions have extreme lengths: the same hits, and no end of
 // the process (Embree asserts that coordinates are below 1.8e18).
 #include "preprocess/preprocess.h"
-#include "server/render/tracer.h"
+#include "server/render/tracing/tracer.h"
 #include "tests/oracle/convex_families.h"
 #include "tests/support/mesh_of.h"
 

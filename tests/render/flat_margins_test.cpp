@@ -1,6 +1,6 @@
 // The margins answer for most of a flat, and never wrongly: the point, and all around it that the ray may
 // have meant, are outside every detection cylinder.
-#include "server/render/flat_margins.h"
+#include "server/render/tracing/flat_margins.h"
 
 #include "common/ray_query.h"
 #include "preprocess/preprocess.h"

@@ -1,7 +1,7 @@
 // Light whose amount is known exactly: furnaces, closed boxes, direct light in closed form.
-#include "server/render/camera.h"
-#include "server/render/image_io.h"
-#include "server/render/prepared_scene.h"
+#include "server/render/image/image_io.h"
+#include "server/render/path/camera.h"
+#include "server/render/path/prepared_scene.h"
 #include "tests/render/direction_chi_squared.h"
 #include "tests/render/scene_files_fixture.h"
 

@@ -1,4 +1,4 @@
-#include "server/render/image_io.h"
+#include "server/render/image/image_io.h"
 
 #include "tests/render/scene_files_fixture.h"
 

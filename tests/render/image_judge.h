@@ -3,7 +3,7 @@
 // in Mitsuba 3's test_renders.py; pixels find what is local, blocks and the whole find what is small.
 #pragma once
 
-#include "server/render/render.h"
+#include "server/render/path/render.h"
 
 #include <array>
 #include <string>

@@ -1,6 +1,6 @@
 // Environments and lights: samples against densities, and what they add up to against closed forms.
-#include "server/render/lights.h"
-#include "server/render/spherical_triangle.h"
+#include "server/render/light/lights.h"
+#include "server/render/light/spherical_triangle.h"
 #include "tests/render/direction_chi_squared.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "tests/render/plain_path_tracer.h"
 
-#include "server/render/camera.h"
-#include "server/render/pixel_filter.h"
+#include "server/render/path/camera.h"
+#include "server/render/path/pixel_filter.h"
 #include "tests/render/direction_chi_squared.h"
 
 #include <thread>

@@ -3,7 +3,7 @@
 // its light sampling, its weights nor its sampler.
 #pragma once
 
-#include "server/render/prepared_scene.h"
+#include "server/render/path/prepared_scene.h"
 
 namespace chamfer::test {
 

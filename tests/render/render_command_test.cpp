@@ -1,7 +1,7 @@
-#include "server/render/render_command.h"
+#include "server/render/cli/render_command.h"
 
-#include "server/render/image_io.h"
-#include "server/render/render_words.h"
+#include "server/render/cli/render_words.h"
+#include "server/render/image/image_io.h"
 #include "tests/render/scene_files_fixture.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // What renderTile() promises: purity, tiles, sample ranges, light in closed form.
-#include "server/render/aov.h"
-#include "server/render/prepared_scene.h"
+#include "server/render/path/aov.h"
+#include "server/render/path/prepared_scene.h"
 #include "tests/render/scene_files_fixture.h"
 
 #include <gmock/gmock.h>

@@ -1,8 +1,8 @@
 // rounding=mesh:K against the exact rounding: the same surface, materials and texture coordinates.
-#include "server/render/rounded_mesh.h"
+#include "server/render/surface/rounded_mesh.h"
 
 #include "common/error.h"
-#include "server/render/prepared_scene.h"
+#include "server/render/path/prepared_scene.h"
 #include "tests/oracle/convex_families.h"
 #include "tests/render/direction_chi_squared.h"
 #include "tests/render/scene_files_fixture.h"

@@ -1,4 +1,4 @@
-#include "server/render/sampler.h"
+#include "server/render/path/sampler.h"
 
 #include "tests/render/chi_squared.h"
 

@@ -1,8 +1,8 @@
 // Warps, tables, filter: each against its density.
-#include "server/render/albedo_table.h"
-#include "server/render/camera.h"
-#include "server/render/distribution.h"
-#include "server/render/pixel_filter.h"
+#include "server/render/light/distribution.h"
+#include "server/render/material/albedo_table.h"
+#include "server/render/path/camera.h"
+#include "server/render/path/pixel_filter.h"
 #include "tests/render/direction_chi_squared.h"
 
 #include <gtest/gtest.h>

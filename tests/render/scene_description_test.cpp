@@ -1,5 +1,5 @@
 // Every fault of a scene file is refused with the path of the key and the value at fault.
-#include "server/render/scene_description.h"
+#include "server/render/scene/scene_description.h"
 
 #include "tests/render/scene_files_fixture.h"
 

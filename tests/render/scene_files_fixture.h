@@ -1,7 +1,7 @@
 // A folder of its own for a test that loads scenes, and small meshes to put there.
 #pragma once
 
-#include "server/render/render.h"
+#include "server/render/path/render.h"
 
 #include <filesystem>
 #include <string>

@@ -1,6 +1,6 @@
-#include "server/render/camera.h"
-#include "server/render/image_io.h"
-#include "server/render/scene_data.h"
+#include "server/render/image/image_io.h"
+#include "server/render/path/camera.h"
+#include "server/render/scene/scene_data.h"
 #include "tests/render/scene_files_fixture.h"
 
 #include <gmock/gmock.h>

@@ -1,10 +1,10 @@
 // What shading normals may do to light, and where they come from: bevels and normal textures.
-#include "server/render/shading_normal.h"
+#include "server/render/surface/shading_normal.h"
 
-#include "server/render/bevel.h"
-#include "server/render/image_io.h"
-#include "server/render/prepared_scene.h"
-#include "server/render/tangent_frame.h"
+#include "server/render/image/image_io.h"
+#include "server/render/path/prepared_scene.h"
+#include "server/render/surface/bevel.h"
+#include "server/render/surface/tangent_frame.h"
 #include "tests/render/direction_chi_squared.h"
 #include "tests/render/scene_files_fixture.h"
 

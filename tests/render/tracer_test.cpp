@@ -1,7 +1,7 @@
 // The tracer, Embree and filters included, against the oracle: placed instances under every affine map,
 // solids that touch and interpenetrate, rays from inside and from slivers, and paths that leave the surface
 // they hit.
-#include "server/render/tracer.h"
+#include "server/render/tracing/tracer.h"
 
 #include "preprocess/preprocess.h"
 #include "tests/oracle/agreement.h"

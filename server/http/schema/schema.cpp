@@ -1,0 +1,181 @@
+#include "server/http/schema/schema.h"
+
+#include "server/http/routes/problem.h"
+#include "server/render/surface/rounded_mesh.h"
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace chamfer::http {
+namespace {
+
+constexpr double kMaxCoordinate = 1e12;
+constexpr double kMaxSample = 1u << 20;
+
+constexpr ParameterRow kRows[] = {
+    {"scene", "path", ParameterKind::Text, "", "", 0, 0, false, "", "name or id of a scene, as listed"},
+    {"width", "path", ParameterKind::Integer, "pixels", "", 1, 65536, false, "", "of the whole frame"},
+    {"height", "path", ParameterKind::Integer, "pixels", "", 1, 65536, false, "", "of the whole frame"},
+    {"x", "path", ParameterKind::Integer, "pixels", "", 0, 65535, false, "", "left column of the tile"},
+    {"y", "path", ParameterKind::Integer, "pixels", "", 0, 65535, false, "",
+     "top row of the tile, down from the frame's top"},
+    {"w", "path", ParameterKind::Integer, "pixels", "", 1, 65536, false, "",
+     "width of the tile; it must lie inside the frame"},
+    {"h", "path", ParameterKind::Integer, "pixels", "", 1, 65536, false, "", "height of the tile"},
+    {"s0", "path", ParameterKind::Integer, "samples", "", 0, kMaxSample - 1, false, "",
+     "first sample of every pixel"},
+    {"s1", "path", ParameterKind::Integer, "samples", "", 1, kMaxSample, false, "",
+     "one past the last sample"},
+    {"format", "path", ParameterKind::Word, "", "", 0, 0, false, "f16|exr|png",
+     "f16: 16-byte header (CT16; width, height, samples as u32) and RGBA16F, little-endian, linear; frames: "
+     "exr, png"},
+    {"camera", "query", ParameterKind::Numbers, "world units; degrees", "the scene's camera", -kMaxCoordinate,
+     kMaxCoordinate, false, "ex,ey,ez,tx,ty,tz,ux,uy,uz,vfov[,aperture,focus]",
+     "eye, target, up, vertical field of view; aperture diameter and focus distance (0: distance to the "
+     "target)"},
+    {"vfov", "camera", ParameterKind::Number, "degrees", "", 0.01, 170, false, "", "tenth number of camera"},
+    {"rounding", "query, body", ParameterKind::Word, "", "analytic", 0, 0, false,
+     "analytic|none|mesh:K|bevel:N",
+     "the exact rounding, the sharp mesh, the explicit rounded mesh of K segments, or a shader of N probes"},
+    {"K", "rounding", ParameterKind::Integer, "segments", "", 1, 256, false, "",
+     "over a quarter turn of mesh:K"},
+    {"N", "rounding", ParameterKind::Integer, "probes", "", 1, 256, false, "", "of bevel:N at every hit"},
+    {"radius", "query, body", ParameterKind::Number, "mesh units", "the sidecar's", 0, kMaxCoordinate, true,
+     "", "rounding radius; it must be below radius.max of the scene"},
+    {"seed", "query", ParameterKind::Integer, "", "0", 0, 4294967295.0, false, "", "of the sampler"},
+    {"bounces", "query", ParameterKind::Integer, "", "8", 0, 64, false, "",
+     "longest path, in scattering events"},
+    {"clamp", "query", ParameterKind::Number, "radiance", "0", 0, 1e9, false, "",
+     "largest value of one contribution of indirect light, against fireflies; biased: it darkens. 0: none"},
+    {"aov", "query", ParameterKind::Word, "", "beauty", 0, 0, false,
+     "beauty|albedo|normal|geometric_normal|depth|feature|instance", "what the pixels hold"},
+    {"rays", "body", ParameterKind::Numbers, "world units", "", -1e30, 1e30, false, "ox,oy,oz,dx,dy,dz",
+     "one list of six numbers a ray: origin and direction; the direction must not be zero"},
+    {"tnear", "body", ParameterKind::Number, "lengths of the ray's direction", "0", 0, 1e30, false, "",
+     "hits must lie beyond it"},
+};
+
+constexpr LimitRow kLimits[] = {
+    {"tile_pixels", kMaxTilePixels, "of one tile"},
+    {"frame_pixels", kMaxFramePixels, "of one frame"},
+    {"request_samples", kMaxRequestSamples, "pixels times samples of one request"},
+    {"rays", kMaxRays, "of one batch"},
+    {"body_bytes", kMaxBodyBytes, "of a request's body"},
+    {"head_bytes", kMaxHeadBytes, "of a request's head"},
+    {"header_fields", kMaxHeaderFields, "of a request's head"},
+    {"target_bytes", kMaxTargetBytes, "of a request's path and query"},
+    {"explicit_triangles", kMostRoundedTriangles, "of a scene with rounding=mesh:K, each mesh counted once"},
+    {"preview_bytes", kMaxPreviewBytes, "of a scene's preview.glb; larger ones are not made"},
+};
+
+Problem valueProblem(int status, ErrorKind kind, const ParameterRow& row, std::string_view value,
+                     const std::string& detail) {
+  return {.status = status,
+          .kind = errorWord(kind),
+          .detail = detail,
+          .parameter = std::string(row.name),
+          .value = std::string(value),
+          .limits = limitsJson(row)};
+}
+
+std::string rangeText(const ParameterRow& row) {
+  return std::string(row.aboveMinimum ? "above " : "") + numberText(row.minimum) + " to " +
+         numberText(row.maximum);
+}
+
+} // namespace
+
+std::span<const ParameterRow> parameterRows() { return kRows; }
+
+std::span<const LimitRow> limitRows() { return kLimits; }
+
+const ParameterRow& parameterRow(std::string_view name) {
+  for (const ParameterRow& row : kRows)
+    if (row.name == name) return row;
+  throw Error(ErrorKind::Internal, "no parameter row " + std::string(name));
+}
+
+const char* kindWord(ParameterKind kind) {
+  switch (kind) {
+  case ParameterKind::Integer:
+    return "integer";
+  case ParameterKind::Number:
+    return "number";
+  case ParameterKind::Numbers:
+    return "numbers";
+  case ParameterKind::Word:
+    return "word";
+  case ParameterKind::Text:
+    return "text";
+  }
+  return "";
+}
+
+std::string limitsJson(const ParameterRow& row) {
+  nlohmann::ordered_json limits = nlohmann::ordered_json::object();
+  if (row.kind == ParameterKind::Word) {
+    limits["one_of"] = row.words;
+  } else if (row.kind != ParameterKind::Text) {
+    if (row.kind == ParameterKind::Numbers) limits["numbers"] = row.words;
+    // Whole limits are printed without a fraction.
+    const auto put = [&](const char* key, double value) {
+      if (std::abs(value) < 1e15 && value == std::floor(value))
+        limits[key] = static_cast<std::int64_t>(value);
+      else
+        limits[key] = value;
+    };
+    put(row.aboveMinimum ? "above" : "minimum", row.minimum);
+    put("maximum", row.maximum);
+  }
+  if (!row.unit.empty()) limits["unit"] = row.unit;
+  return limits.dump();
+}
+
+void throwSyntax(const ParameterRow& row, std::string_view value, const std::string& detail) {
+  throw ProblemError(valueProblem(400, ErrorKind::Usage, row, value, detail));
+}
+
+void throwRange(const ParameterRow& row, std::string_view value, const std::string& detail) {
+  throw ProblemError(valueProblem(422, ErrorKind::OutOfRange, row, value, detail));
+}
+
+std::uint32_t readInteger(const ParameterRow& row, std::string_view text) {
+  const std::string name(row.name);
+  std::uint64_t value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  // from_chars reads no sign into an unsigned number and skips no blanks; what is left to refuse is 007,
+  // which would give one tile two URLs.
+  if (status == std::errc::invalid_argument || end != text.data() + text.size() ||
+      (text.size() > 1 && text[0] == '0'))
+    throwSyntax(row, text, name + " must be a whole decimal number without sign or leading zeros");
+  if (status == std::errc::result_out_of_range || static_cast<double>(value) < row.minimum ||
+      static_cast<double>(value) > row.maximum)
+    throwRange(row, text, name + " must be " + rangeText(row));
+  return static_cast<std::uint32_t>(value);
+}
+
+double readNumber(const ParameterRow& row, std::string_view text) {
+  double value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status == std::errc::invalid_argument || end != text.data() + text.size())
+    throwSyntax(row, text, std::string(row.name) + " must be a decimal number such as 0.25 or 1e-3");
+  if (status == std::errc::result_out_of_range || !std::isfinite(value))
+    throwRange(row, text, std::string(row.name) + " must be a finite double");
+  checkNumber(row, value);
+  return value;
+}
+
+void checkNumber(const ParameterRow& row, double value) {
+  const bool low = row.aboveMinimum ? !(value > row.minimum) : !(value >= row.minimum);
+  if (low || !(value <= row.maximum))
+    throwRange(row, numberText(value), std::string(row.name) + " must be " + rangeText(row));
+}
+
+std::string numberText(double value) {
+  char text[32];
+  const auto [end, status] = std::to_chars(text, text + sizeof text, value);
+  return status == std::errc{} ? std::string(text, end) : std::string("?");
+}
+
+} // namespace chamfer::http

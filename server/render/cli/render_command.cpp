@@ -1,0 +1,101 @@
+#include "server/render/cli/render_command.h"
+
+#include "common/error.h"
+#include "server/render/cli/render_report.h"
+#include "server/render/cli/render_words.h"
+#include "server/render/image/image_io.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <unistd.h>
+#include <utility>
+
+namespace chamfer {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::optional<Camera> cameraOf(const RenderCommandOptions& o, const Camera& own) {
+  if (!o.eye && !o.target && !o.up && !o.vfovDegrees) return {};
+  Camera c = own;
+  if (o.eye) c.eye = *o.eye;
+  if (o.target) c.target = *o.target;
+  if (o.up) c.up = *o.up;
+  if (o.vfovDegrees) c.vfovDegrees = *o.vfovDegrees;
+  return c;
+}
+
+void checkOutput(const std::filesystem::path& path) {
+  const std::string e = path.extension().string();
+  if (e != ".png" && e != ".exr") // before any work is done
+    throw Error(ErrorKind::Usage, "\"" + path.string() + "\": images are written as .png or .exr");
+}
+
+/// A line on standard error, rewritten at each full percent; only where somebody looks.
+class ProgressLine {
+public:
+  explicit ProgressLine(bool quiet) : shown_(!quiet && isatty(STDERR_FILENO)) {}
+  ~ProgressLine() {
+    if (percent_ >= 0) std::fputs("\r                \r", stderr);
+  }
+  void operator()(double share) {
+    if (!shown_) return;
+    const int percent = int(share * 100);
+    int before = percent_;
+    while (before < percent && !percent_.compare_exchange_weak(before, percent)) {
+    }
+    if (before < percent) std::fprintf(stderr, "\rrendering %3d %%", percent);
+  }
+
+private:
+  bool shown_;
+  std::atomic<int> percent_{-1};
+};
+
+} // namespace
+
+int runRenderCommand(const RenderCommandOptions& o) {
+  checkOutput(o.output);
+  RoundingChoice choice = parseRounding(o.rounding);
+  choice.radius = o.radius;
+  RenderSettings settings;
+  settings.width = o.width;
+  settings.height = o.height;
+  settings.endSample = o.samples;
+  settings.seed = o.seed;
+  settings.maxBounces = o.bounces;
+  settings.indirectClamp = float(o.indirectClamp);
+  settings.aov = parseAov(o.aov);
+
+  RenderTimes times;
+  auto begin = Clock::now();
+  const auto lap = [&] {
+    const auto now = Clock::now();
+    return std::chrono::duration<double>(now - std::exchange(begin, now)).count();
+  };
+  const auto scene = loadScene(o.scene, o.root, o.scene.stem().string());
+  settings.camera = cameraOf(o, scene->camera);
+  times.load = lap();
+  const auto prepared = prepare(scene, choice, o.threads);
+  times.prepare = lap();
+
+  RenderResult result;
+  {
+    ProgressLine line(o.quiet);
+    RenderControl control;
+    control.threads = o.threads;
+    control.progress = [&](double share) { line(share); };
+    result = renderTile(*prepared, settings, {0, 0, o.width, o.height}, control);
+  }
+  times.render = lap();
+  writeImage(o.output, result.image);
+  times.write = lap();
+  if (!o.quiet) {
+    const RenderReport report{o.output.string(), *prepared, choice, settings, times, result.statistics};
+    std::fputs((o.json ? reportJson(report) : reportText(report)).c_str(), stdout);
+  }
+  return 0;
+}
+
+} // namespace chamfer

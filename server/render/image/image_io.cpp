@@ -1,0 +1,174 @@
+#include "server/render/image/image_io.h"
+
+#include "common/error.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+namespace chamfer {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "f16 tiles are copied as they are: little-endian only");
+
+constexpr int kMaxTextureSide = 16384;
+
+/// Nearest half-precision number, ties to even; beyond its range infinity, NaN stays NaN.
+std::uint16_t toHalf(float value) {
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(value), sign = (bits >> 16) & 0x8000u;
+  const std::uint32_t magnitude = bits & 0x7fffffffu;
+  if (magnitude > 0x7f800000u) return std::uint16_t(sign | 0x7e00u);
+  if (magnitude >= 0x477ff000u) return std::uint16_t(sign | 0x7c00u); // rounds to 65520 or more
+  if (magnitude < 0x38800000u) // below 2^-14: a multiple of 2^-24, rounded by the float unit
+    return std::uint16_t(sign |
+                         std::uint32_t(std::nearbyint(std::ldexp(std::bit_cast<float>(magnitude), 24))));
+  const std::uint32_t rounded = magnitude - 0x38000000u + 0xfffu + ((magnitude >> 13) & 1u);
+  return std::uint16_t(sign | (rounded >> 13));
+}
+
+float sRgbFromLinear(float v) {
+  return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
+}
+float linearFromSRgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
+
+std::uint8_t toByte(float v) {
+  if (!(v > 0)) return 0; // NaN too
+  return std::uint8_t(std::lround(std::min(v, 1.f) * 255));
+}
+
+void checkShape(const Image& image) {
+  if (image.width == 0 || image.height == 0 ||
+      image.rgba.size() != std::size_t(image.width) * image.height * 4)
+    throw Error(ErrorKind::Internal, "an image's values do not fill its width and height");
+}
+
+[[noreturn]] void failWriting(const char* format, const std::string& why) {
+  throw Error(ErrorKind::CannotWrite, std::string("cannot encode ") + format + ": " + why);
+}
+
+/// `pixels`: [height][width][4] of type `type`.
+std::vector<std::byte> encode(const char* format, const Image& image, OIIO::TypeDesc type,
+                              const void* pixels) {
+  OIIO::ImageSpec spec(int(image.width), int(image.height), 4, type);
+  spec.channelnames = {"R", "G", "B", "A"};
+  spec.alpha_channel = 3;
+  if (type == OIIO::TypeDesc::UINT8) {
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    spec.attribute("oiio:UnassociatedAlpha", 1); // alpha is coverage beside the colour: nothing to divide
+    spec.attribute("png:compressionLevel", 6);
+  } else {
+    spec.attribute("oiio:ColorSpace", "Linear");
+    spec.attribute("compression", "zip");
+    spec.attribute("DateTime", ""); // else the library writes the time of day, and no two files are the same
+  }
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  const auto output = OIIO::ImageOutput::create(format, &memory);
+  if (!output) failWriting(format, OIIO::geterror());
+  if (!output->supports("ioproxy")) failWriting(format, "no encoding into memory");
+  if (!output->open(format, spec)) failWriting(format, output->geterror());
+  if (!output->write_image(type, pixels)) failWriting(format, output->geterror());
+  if (!output->close()) failWriting(format, output->geterror());
+  std::vector<std::byte> result(bytes.size());
+  std::memcpy(result.data(), bytes.data(), bytes.size());
+  return result;
+}
+
+std::string lowerExtension(const std::filesystem::path& path) {
+  std::string e = path.extension().string();
+  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return e;
+}
+
+} // namespace
+
+std::vector<std::byte> encodeF16(const Image& image, unsigned samples) {
+  checkShape(image);
+  const std::uint32_t numbers[3] = {image.width, image.height, samples};
+  std::vector<std::byte> bytes(16 + image.rgba.size() * 2);
+  std::memcpy(bytes.data(), "CT16", 4);
+  std::memcpy(bytes.data() + 4, numbers, 12);
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) {
+    const std::uint16_t half = toHalf(image.rgba[i]);
+    std::memcpy(bytes.data() + 16 + 2 * i, &half, 2);
+  }
+  return bytes;
+}
+
+std::vector<std::byte> encodePng(const Image& image) {
+  checkShape(image);
+  std::vector<std::uint8_t> pixels(image.rgba.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    pixels[i] = toByte(i % 4 == 3 ? image.rgba[i] : sRgbFromLinear(std::clamp(image.rgba[i], 0.f, 1.f)));
+  return encode("png", image, OIIO::TypeDesc::UINT8, pixels.data());
+}
+
+std::vector<std::byte> encodeExr(const Image& image) {
+  checkShape(image);
+  return encode("exr", image, OIIO::TypeDesc::FLOAT, image.rgba.data());
+}
+
+void writeImage(const std::filesystem::path& path, const Image& image) {
+  const std::string extension = lowerExtension(path);
+  if (extension != ".png" && extension != ".exr")
+    throw Error(ErrorKind::Usage, "\"" + path.string() + "\": images are written as .png or .exr");
+  const std::vector<std::byte> bytes = extension == ".png" ? encodePng(image) : encodeExr(image);
+  // Beside its place first, so that no reader ever sees half an image.
+  std::filesystem::path temporary = path;
+  temporary += ".part";
+  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(temporary, path, error);
+  if (!out || error) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw Error(ErrorKind::CannotWrite, "\"" + path.string() + "\" cannot be written" +
+                                            (error ? ": " + error.message() : std::string()));
+  }
+}
+
+Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, const std::string& name) {
+  const auto fail = [&](const std::string& why) {
+    throw Error(ErrorKind::Malformed, "\"" + name + "\": " + why);
+  };
+  if (!std::filesystem::exists(file))
+    throw Error(ErrorKind::NotFound, "\"" + name + "\": there is no such file");
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1); // colours as they are in the file, not times alpha
+  const auto input = OIIO::ImageInput::open(file.string(), &config);
+  if (!input) {
+    (void)OIIO::geterror(); // the library's text names paths of this machine
+    fail("is not an image of a known format");
+  }
+  const OIIO::ImageSpec& spec = input->spec();
+  if (spec.width < 1 || spec.height < 1 || spec.width > kMaxTextureSide || spec.height > kMaxTextureSide)
+    fail("is " + std::to_string(spec.width) + "x" + std::to_string(spec.height) + ", the largest image is " +
+         std::to_string(kMaxTextureSide) + " pixels a side");
+  const bool sRgb = encoding == PixelEncoding::Automatic && !spec.format.is_floating_point();
+  const int channels = std::min(spec.nchannels, 3);
+  std::vector<float> values(std::size_t(spec.width) * std::size_t(spec.height) * std::size_t(channels));
+  if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data())) {
+    (void)input->geterror();
+    fail("is damaged: its pixels cannot be read");
+  }
+  std::vector<Color> pixels(std::size_t(spec.width) * std::size_t(spec.height));
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const float* v = values.data() + i * std::size_t(channels);
+    const auto linear = [&](float x) { return sRgb ? linearFromSRgb(x) : x; };
+    pixels[i] = channels == 3 ? Color{linear(v[0]), linear(v[1]), linear(v[2])} : grey(linear(v[0]));
+    if (!isFinite(pixels[i]) || std::min({pixels[i].r, pixels[i].g, pixels[i].b}) < 0)
+      fail("pixel " + std::to_string(i % std::size_t(spec.width)) + "," +
+           std::to_string(i / std::size_t(spec.width)) + " is negative or not finite");
+  }
+  return {unsigned(spec.width), unsigned(spec.height), std::move(pixels)};
+}
+
+} // namespace chamfer

@@ -1,0 +1,33 @@
+// Encoding and reading of images (OpenImageIO behind this header).
+#pragma once
+
+#include "server/render/material/texture.h"
+#include "server/render/path/render.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace chamfer {
+
+/// 16-byte header ("CT16", then width, height, samples as u32) and RGBA16F, little-endian, linear, top row
+/// first.
+std::vector<std::byte> encodeF16(const Image& image, unsigned samples);
+/// 8-bit sRGB: values are clamped to [0, 1] and encoded by the sRGB curve (IEC 61966-2-1), nothing else;
+/// alpha is linear. NaN becomes 0. Deterministic bytes.
+std::vector<std::byte> encodePng(const Image& image);
+/// 32-bit float EXR, linear. Deterministic bytes.
+std::vector<std::byte> encodeExr(const Image& image);
+/// Writes by extension (.png, .exr). Error(CannotWrite), Error(Usage) for another extension.
+void writeImage(const std::filesystem::path& path, const Image& image);
+
+/// How the colours of a file's pixels are meant. Automatic: sRGB for integer pixels, linear for floating
+/// point.
+enum class PixelEncoding { Automatic, Linear };
+/// Reads any format OpenImageIO knows; grey becomes RGB, alpha is dropped. Error(Malformed) for what cannot
+/// be read, is larger than 16384 pixels a side, or holds values that are negative or not finite
+/// (Error(NotFound): no such file). `name` stands in messages.
+Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, const std::string& name);
+
+} // namespace chamfer

@@ -1,0 +1,164 @@
+// Tiles are cut into fixed blocks that threads take in any order; every pixel is computed alone from its own
+// samples, so the result depends on neither.
+#include "server/render/path/aov.h"
+#include "server/render/path/camera.h"
+#include "server/render/path/path_tracer.h"
+#include "server/render/path/pixel_filter.h"
+#include "server/render/path/prepared_scene.h"
+
+#include "common/error.h"
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace chamfer {
+
+RayCount& RayCount::operator+=(const RayCount& o) {
+  traced += o.traced;
+  hits += o.hits;
+  rounded += o.rounded;
+  return *this;
+}
+
+RayStatistics& RayStatistics::operator+=(const RayStatistics& o) {
+  camera += o.camera;
+  bounce += o.bounce;
+  shadow += o.shadow;
+  nonFiniteSamples += o.nonFiniteSamples;
+  return *this;
+}
+
+namespace {
+
+constexpr unsigned kBlock = 16;     ///< pixels along a block's side
+constexpr unsigned kAskEvery = 256; ///< samples between two looks at `cancelled`
+
+void validate(const RenderSettings& s, const TileRect& t) {
+  const auto fail = [](const std::string& what) { throw Error(ErrorKind::OutOfRange, what); };
+  if (s.width == 0 || s.height == 0) fail("the frame must have at least one pixel");
+  if (t.width == 0 || t.height == 0) fail("the tile must have at least one pixel");
+  if (t.x >= s.width || t.y >= s.height || t.width > s.width - t.x || t.height > s.height - t.y)
+    fail("the tile " + std::to_string(t.x) + "," + std::to_string(t.y) + "," + std::to_string(t.width) + "," +
+         std::to_string(t.height) + " is not within the frame of " + std::to_string(s.width) + "x" +
+         std::to_string(s.height));
+  if (!(s.indirectClamp >= 0)) fail("the clamp of indirect light must not be below 0");
+  if (s.firstSample >= s.endSample)
+    fail("the sample range " + std::to_string(s.firstSample) + "-" + std::to_string(s.endSample) +
+         " is empty");
+}
+
+class TileJob {
+public:
+  TileJob(const PreparedScene& prepared, const RenderSettings& settings, const TileRect& tile,
+          const RenderControl& control)
+      : surfaces_(prepared.surfaces()), tracer_(prepared.tracer()), settings_(settings), tile_(tile),
+        control_(control), camera_(settings.camera ? *settings.camera : prepared.scene().camera,
+                                   settings.width, settings.height),
+        paths_(surfaces_, tracer_, prepared.lights(), settings.maxBounces, settings.indirectClamp),
+        columns_((tile.width + kBlock - 1) / kBlock),
+        blocks_(columns_ * ((tile.height + kBlock - 1) / kBlock)) {
+    // All rays of a pinhole start at the eye: whether that is in a sliver is asked once.
+    const Camera& camera = settings.camera ? *settings.camera : prepared.scene().camera;
+    from_.maybeInSliver = from_.maybeInSolid = camera_.usesLens() || tracer_.insideSolid(camera.eye);
+    result_.image = {tile.width, tile.height, std::vector<float>(std::size_t(tile.width) * tile.height * 4)};
+  }
+
+  RenderResult run() {
+    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+    const unsigned threads = std::min(control_.threads ? control_.threads : cores, blocks_);
+    {
+      std::vector<std::jthread> helpers;
+      for (unsigned i = 1; i < threads; ++i)
+        helpers.emplace_back([this] { work(); });
+      work();
+    }
+    if (failure_) std::rethrow_exception(failure_);
+    return std::move(result_);
+  }
+
+private:
+  void work() {
+    RayStatistics statistics;
+    try {
+      for (unsigned block; !stop_ && (block = next_++) < blocks_;) {
+        renderBlock(block, statistics);
+        if (control_.progress) control_.progress(double(++done_) / blocks_);
+      }
+    } catch (...) {
+      stop_ = true;
+      const std::lock_guard lock(mutex_);
+      if (!failure_) failure_ = std::current_exception();
+    }
+    const std::lock_guard lock(mutex_);
+    result_.statistics += statistics;
+  }
+
+  void renderBlock(unsigned block, RayStatistics& statistics) {
+    const unsigned x0 = block % columns_ * kBlock, y0 = block / columns_ * kBlock;
+    for (unsigned y = y0; y < std::min(y0 + kBlock, tile_.height); ++y)
+      for (unsigned x = x0; x < std::min(x0 + kBlock, tile_.width); ++x)
+        renderPixel(x, y, statistics);
+  }
+
+  void renderPixel(unsigned x, unsigned y, RayStatistics& statistics) {
+    double r = 0, g = 0, b = 0, alpha = 0;
+    for (unsigned s = settings_.firstSample; s < settings_.endSample; ++s) {
+      if (control_.cancelled && (s - settings_.firstSample) % kAskEvery == 0 &&
+          (stop_ || control_.cancelled()))
+        throw Error(ErrorKind::Cancelled, "the render was cancelled");
+      const AovSample sample = renderSample(tile_.x + x, tile_.y + y, s, statistics);
+      r += sample.value.r;
+      g += sample.value.g;
+      b += sample.value.b;
+      alpha += sample.coverage;
+    }
+    const double count = settings_.endSample - settings_.firstSample;
+    float* out = result_.image.rgba.data() + (std::size_t(y) * tile_.width + x) * 4;
+    out[0] = float(r / count);
+    out[1] = float(g / count);
+    out[2] = float(b / count);
+    out[3] = float(alpha / count);
+  }
+
+  AovSample renderSample(unsigned x, unsigned y, unsigned index, RayStatistics& statistics) const {
+    const Sampler sampler(x, y, index, settings_.seed);
+    const Float2 offset = PixelFilter::instance().sample(sampler.pair(kPixelPair));
+    const Float2 lens = camera_.usesLens() ? sampler.pair(kLensPair) : Float2{};
+    const Ray ray = camera_.ray(x + 0.5 + offset.x, y + 0.5 + offset.y, lens);
+    AovSample sample;
+    if (settings_.aov == Aov::Beauty)
+      sample = {paths_.radiance(ray, from_, sampler, statistics), 1};
+    else
+      sample = aovSample(surfaces_, tracer_, settings_.aov, ray, from_, sampler, statistics);
+    if (isFinite(sample.value)) return sample;
+    ++statistics.nonFiniteSamples;
+    return {{}, sample.coverage};
+  }
+
+  const Surfaces& surfaces_;
+  const Tracer& tracer_;
+  const RenderSettings& settings_;
+  const TileRect& tile_;
+  const RenderControl& control_;
+  CameraRays camera_;
+  RayOrigin from_;
+  PathTracer paths_;
+  unsigned columns_, blocks_;
+  RenderResult result_;
+  std::atomic<unsigned> next_{0}, done_{0};
+  std::atomic<bool> stop_{false};
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+};
+
+} // namespace
+
+RenderResult renderTile(const PreparedScene& prepared, const RenderSettings& settings, const TileRect& tile,
+                        const RenderControl& control) {
+  validate(settings, tile);
+  return TileJob(prepared, settings, tile, control).run();
+}
+
+} // namespace chamfer

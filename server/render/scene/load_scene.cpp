@@ -1,0 +1,260 @@
+// From files to an immutable Scene: description, meshes, materials with their textures, lights, camera, id.
+#include "server/render/image/image_io.h"
+#include "server/render/path/camera.h"
+#include "server/render/scene/mesh_library.h"
+#include "server/render/scene/scene_data.h"
+#include "server/render/scene/scene_description.h"
+#include "server/render/scene/scene_files.h"
+#include "server/render/scene/studio.h"
+#include "server/render/surface/tangent_frame.h"
+
+#include "common/error.h"
+
+#include <map>
+
+namespace chamfer {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Part of every scene's id: to be changed whenever the same files give other pixels than before.
+constexpr char kRendererVersion[] = "chamfer renderer 5";
+constexpr char kNoNormals[] = "does not hold tangent-space normals: it looks like a height map";
+constexpr std::uintmax_t kLargestSceneFile = 256u << 20;
+
+class SceneLoader {
+public:
+  SceneLoader(const fs::path& root, const fs::path& base, const std::string& name)
+      : root_(root), base_(base), meshes_(root, base) {
+    scene_->name = name;
+    identity_ = kRendererVersion;
+    Material neutral;
+    neutral.name = "default";
+    neutral.roughness = 0.35f;
+    neutral.baseColor = {0.6f, 0.6f, 0.6f};
+    data_->materials.push_back(neutral);
+  }
+
+  std::shared_ptr<const Scene> fromDescription(const std::string& text, const std::string& file) {
+    const SceneDescription d = parseSceneDescription(text, file);
+    identity_ += text;
+    try {
+      for (const MeshDescription& m : d.meshes)
+        at(m.path, [&] { addMesh(m); });
+      const auto materials = std::uint32_t(data_->materials.size());
+      for (const MaterialDescription& m : d.materials)
+        at(m.path, [&] { addMaterial(m); });
+      scene_->instances.reserve(d.instances.size());
+      data_->instanceSource.reserve(d.instances.size());
+      for (const InstanceDescription& i : d.instances)
+        addInstance(i.mesh, i.material == kNone ? kNone : materials + i.material, i.worldFromObject);
+      addLights(d);
+    } catch (const Error& e) {
+      throw Error(e.kind(), file + ": " + e.what());
+    }
+    return finish(d.camera);
+  }
+
+  std::shared_ptr<const Scene> fromMesh(const std::string& file) {
+    MeshDescription d;
+    d.name = fs::path(file).stem().string();
+    d.file = file;
+    addMesh(d);
+    if (!scene_->meshes[0].rounding)
+      scene_->warnings.push_back(
+          "there is no sidecar beside the mesh: it stays sharp until a radius is given");
+    identity_ += "studio";
+    addInstance(0, kNone, {});
+    addStudio(*data_, scene_->meshes.size(), scene_->bounds);
+    return finish({});
+  }
+
+  /// As resolveBelow(); a file that is not there yet is remembered too.
+  fs::path resolve(const fs::path& folder, const std::string& name) {
+    try {
+      const fs::path file = resolveBelow(root_, folder, name);
+      addFile(file);
+      return file;
+    } catch (const Error& e) {
+      if (e.kind() == ErrorKind::NotFound) addFile(folder / name);
+      throw;
+    }
+  }
+
+private:
+  void addFile(const fs::path& file) {
+    if (std::find(scene_->files.begin(), scene_->files.end(), file) == scene_->files.end())
+      scene_->files.push_back(file);
+  }
+
+  /// Adds the path of an entry to errors that do not know it.
+  template <class F>
+  void at(const std::string& path, F&& f) {
+    try {
+      f();
+    } catch (const Error& e) {
+      throw Error(e.kind(), path + ": " + e.what());
+    }
+  }
+
+  void addMesh(const MeshDescription& d) {
+    LoadedMesh loaded = meshes_.load(d, scene_->warnings);
+    addFile(loaded.mesh.file);
+    addFile(sidecarOf(loaded.mesh.file));
+    for (const fs::path& library : loaded.mesh.mesh->materialFiles)
+      addFile(library);
+    identity_ += loaded.content.hex();
+    Bounds3 bounds;
+    for (const auto& triangle : loaded.mesh.mesh->triangles)
+      for (const std::uint32_t corner : triangle)
+        bounds.extend(loaded.mesh.mesh->positions[corner]);
+    meshBounds_.push_back(bounds);
+    meshEdges_.push_back(loaded.roundedEdges);
+    MeshMaterials materials;
+    const TriangleMesh& mesh = *loaded.mesh.mesh;
+    if (!mesh.materialOfTriangle.empty()) {
+      const auto first = std::uint32_t(data_->materials.size());
+      const fs::path folder = loaded.mesh.file.parent_path();
+      for (const MeshMaterial& m : mesh.materials)
+        addMeshMaterial(m, folder);
+      for (const std::uint32_t m : mesh.materialOfTriangle)
+        materials.ofTriangle.push_back(m == kNone ? SceneData::kDefaultMaterial : first + m);
+    }
+    data_->meshMaterials.push_back(std::move(materials));
+    scene_->meshes.push_back(std::move(loaded.mesh));
+  }
+
+  /// A material of an MTL library. What a scene file would be refused for is taken into its limits here,
+  /// since such files come from elsewhere; a texture that cannot be read becomes a warning.
+  void addMeshMaterial(const MeshMaterial& m, const fs::path& folder) {
+    const auto unit = [](double v) { return float(std::clamp(v, 0.0, 1.0)); };
+    Material material;
+    material.name = m.name;
+    material.baseColor = {unit(m.baseColor[0]), unit(m.baseColor[1]), unit(m.baseColor[2])};
+    material.roughness = unit(m.roughness);
+    material.metallic = unit(m.metallic);
+    material.transmission = unit(m.transmission);
+    material.ior = float(std::clamp(m.ior, 1.0, 4.0));
+    const auto light = [](double v) { return float(std::clamp(v, 0.0, 1e9)); };
+    material.emission = {light(m.emission[0]), light(m.emission[1]), light(m.emission[2])};
+    const auto texture = [&](const std::string& name, PixelEncoding encoding) {
+      try {
+        return name.empty() ? kNoTexture : addTexture(folder, name, encoding);
+      } catch (const Error& e) {
+        scene_->warnings.push_back("material \"" + m.name + "\": " + e.what());
+        return kNoTexture;
+      }
+    };
+    material.baseColorTexture = texture(m.baseColorTexture, PixelEncoding::Automatic);
+    material.roughnessTexture = texture(m.roughnessTexture, PixelEncoding::Linear);
+    material.normalTexture = texture(m.normalTexture, PixelEncoding::Linear);
+    if (material.normalTexture != kNoTexture && !holdsNormals(data_->textures[material.normalTexture])) {
+      scene_->warnings.push_back("material \"" + m.name + "\": " + m.normalTexture + " " + kNoNormals +
+                                 "; it is not used");
+      material.normalTexture = kNoTexture;
+    }
+    data_->materials.push_back(material);
+  }
+
+  void addMaterial(const MaterialDescription& d) {
+    Material material = d.material;
+    if (!d.baseColorTexture.empty())
+      material.baseColorTexture = addTexture(base_, d.baseColorTexture, PixelEncoding::Automatic);
+    if (!d.roughnessTexture.empty())
+      material.roughnessTexture = addTexture(base_, d.roughnessTexture, PixelEncoding::Linear);
+    if (!d.normalTexture.empty()) {
+      material.normalTexture = addTexture(base_, d.normalTexture, PixelEncoding::Linear);
+      if (!holdsNormals(data_->textures[material.normalTexture]))
+        throw Error(ErrorKind::Malformed, "normal_texture: " + d.normalTexture + " " + kNoNormals);
+    }
+    data_->materials.push_back(material);
+  }
+
+  std::uint32_t addTexture(const fs::path& folder, const std::string& name, PixelEncoding encoding) {
+    const fs::path file = resolve(folder, name);
+    const auto [entry, added] =
+        textures_.try_emplace({file, encoding}, std::uint32_t(data_->textures.size()));
+    if (added) {
+      try {
+        data_->textures.push_back(readImage(file, encoding, name));
+      } catch (...) {
+        textures_.erase(entry);
+        throw;
+      }
+    }
+    return entry->second;
+  }
+
+  Texture readImage(const fs::path& file, PixelEncoding encoding, const std::string& name) {
+    Texture texture = readTexture(file, encoding, name);
+    identity_ += texture.contentDigest().hex();
+    return texture;
+  }
+
+  void addInstance(std::uint32_t mesh, std::uint32_t material, const Transform& worldFromObject) {
+    const SceneMesh& m = scene_->meshes[mesh];
+    scene_->instances.push_back({m.traced, m.rounding, worldFromObject});
+    data_->instanceSource.push_back({mesh, material});
+    scene_->triangles += m.mesh->triangles.size();
+    scene_->roundedEdges += meshEdges_[mesh];
+    const Bounds3& b = meshBounds_[mesh];
+    if (b.empty()) return;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const Point3 p{corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
+                     corner & 4 ? b.upper.z : b.lower.z};
+      scene_->bounds.extend(worldFromObject(p));
+    }
+  }
+
+  void addLights(const SceneDescription& d) {
+    for (std::size_t i = 0; i < d.areaLights.size(); ++i) {
+      const AreaLightDescription& a = d.areaLights[i];
+      Material material;
+      material.baseColor = {};
+      material.specular = 0;
+      material.emission = a.emission;
+      addQuad(*data_, scene_->meshes.size(), "area light " + std::to_string(i), a.centre, a.u, a.v, material);
+    }
+    data_->distantLights = d.distantLights;
+    data_->pointLights = d.pointLights;
+    const EnvironmentDescription e = d.environment.value_or(EnvironmentDescription{});
+    Environment environment = Environment::sky(d.environment ? e.sky : neutralSky(), e.up);
+    if (e.kind == EnvironmentDescription::Kind::Constant) environment = Environment::constant(e.sky.zenith);
+    if (e.kind == EnvironmentDescription::Kind::Image)
+      at(e.path, [&] {
+        const fs::path file = resolve(base_, e.image);
+        auto image = std::make_shared<Texture>(readImage(file, PixelEncoding::Automatic, e.image));
+        environment = Environment::image(std::move(image), e.strength, e.rotationDegrees, e.up);
+      });
+    data_->environment = std::make_shared<Environment>(std::move(environment));
+  }
+
+  std::shared_ptr<const Scene> finish(const std::optional<Camera>& camera) {
+    scene_->camera = camera ? *camera : fitCamera(scene_->bounds);
+    scene_->id = digestOf(identity_);
+    scene_->data = data_;
+    return scene_;
+  }
+
+  fs::path root_, base_;
+  MeshLibrary meshes_;
+  std::shared_ptr<Scene> scene_ = std::make_shared<Scene>();
+  std::shared_ptr<SceneData> data_ = std::make_shared<SceneData>();
+  std::string identity_; ///< everything that determines the pixels, or its digests
+  std::vector<Bounds3> meshBounds_;
+  std::vector<std::size_t> meshEdges_;
+  std::map<std::pair<fs::path, PixelEncoding>, std::uint32_t> textures_;
+};
+
+} // namespace
+
+std::shared_ptr<const Scene> loadScene(const fs::path& file, const fs::path& root, const std::string& name) {
+  const std::string leaf = file.filename().string();
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const fs::path top = root.empty() ? folder : root;
+  SceneLoader loader(top, folder, name);
+  if (!leaf.ends_with(".json")) return loader.fromMesh(leaf);
+  return loader.fromDescription(readFileText(loader.resolve(folder, leaf), kLargestSceneFile), leaf);
+}
+
+} // namespace chamfer
