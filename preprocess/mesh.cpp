@@ -2,7 +2,7 @@
 
 #include "common/error.h"
 #include "common/rounding.h"
-#include "preprocess/read_formats.h"
+#include "preprocess/read/read_formats.h"
 
 #include <fstream>
 

@@ -1,7 +1,7 @@
 #include "preprocess/preprocess.h"
 
 #include "common/error.h"
-#include "preprocess/round_solid.h"
+#include "preprocess/rounding/round_solid.h"
 
 #include <algorithm>
 #include <atomic>

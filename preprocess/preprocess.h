@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/sidecar.h"
-#include "preprocess/solids.h"
+#include "preprocess/components/solids.h"
 
 #include <functional>
 #include <memory>

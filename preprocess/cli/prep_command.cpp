@@ -2,7 +2,7 @@
 
 #include "common/error.h"
 #include "preprocess/cli/output_paths.h"
-#include "preprocess/explicit_mesh.h"
+#include "preprocess/rounding/explicit_mesh.h"
 
 #include <chrono>
 #include <cstdio>

@@ -8,8 +8,8 @@
 // Google Benchmark's options apply; unless told otherwise the variants are interleaved at random and
 // repeated, and medians are to be compared.
 #include "common/core_view.h"
-#include "preprocess/explicit_mesh.h"
 #include "preprocess/preprocess.h"
+#include "preprocess/rounding/explicit_mesh.h"
 #include "server/render/tracing/tracer.h"
 #include "tests/oracle/convex_families.h"
 #include "tests/support/mesh_of.h"

@@ -2,7 +2,7 @@
 // are finite. The first byte chooses the format. An OBJ may carry its material library behind a line "#MTL".
 #include "common/error.h"
 #include "common/rounding.h"
-#include "preprocess/read_formats.h"
+#include "preprocess/read/read_formats.h"
 #include "tests/fuzz/require.h"
 
 #include <cmath>

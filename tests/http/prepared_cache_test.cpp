@@ -1,7 +1,7 @@
 #include "server/http/catalogue/prepared_cache.h"
 
 #include "common/error.h"
-#include "preprocess/explicit_mesh.h"
+#include "preprocess/rounding/explicit_mesh.h"
 #include "tests/http/scene_folder.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // The explicit mesh is closed and manifold and lies on R; its volume and area converge to Steiner's formulas.
-#include "preprocess/explicit_mesh.h"
+#include "preprocess/rounding/explicit_mesh.h"
 
 #include "preprocess/preprocess.h"
 #include "tests/oracle/convex_families.h"

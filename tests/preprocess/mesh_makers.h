@@ -1,7 +1,7 @@
 // Small meshes built in memory, and the check of what they split into.
 #pragma once
 
-#include "preprocess/solids.h"
+#include "preprocess/components/solids.h"
 #include "tests/preprocess/surface_check.h"
 
 #include <gtest/gtest.h>

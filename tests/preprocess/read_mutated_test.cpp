@@ -1,8 +1,8 @@
 // Readers on damaged files: a valid mesh or Error(Malformed), whatever the bytes.
 #include "common/error.h"
 #include "common/rounding.h"
-#include "preprocess/read_formats.h"
-#include "preprocess/solids.h"
+#include "preprocess/components/solids.h"
+#include "preprocess/read/read_formats.h"
 
 #include <cmath>
 #include <functional>

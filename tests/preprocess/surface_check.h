@@ -1,7 +1,7 @@
 // What every component without a fault promises, checked from its arrays alone.
 #pragma once
 
-#include "preprocess/solids.h"
+#include "preprocess/components/solids.h"
 
 #include <string>
 

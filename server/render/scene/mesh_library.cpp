@@ -1,7 +1,7 @@
 #include "server/render/scene/mesh_library.h"
 
 #include "common/error.h"
-#include "preprocess/inradius.h"
+#include "preprocess/core/inradius.h"
 #include "server/render/scene/scene_files.h"
 
 namespace chamfer {

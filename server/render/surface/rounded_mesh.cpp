@@ -1,7 +1,7 @@
 #include "server/render/surface/rounded_mesh.h"
 
 #include "common/error.h"
-#include "preprocess/explicit_mesh.h"
+#include "preprocess/rounding/explicit_mesh.h"
 
 #include <algorithm>
 

@@ -1,0 +1,274 @@
+#include "preprocess/components/repair.h"
+
+#include "preprocess/components/component_builder.h"
+#include "preprocess/components/disjoint_sets.h"
+#include "preprocess/components/grouping.h"
+#include "preprocess/components/weld.h"
+
+#include <algorithm>
+#include <tbb/enumerable_thread_specific.h>
+
+namespace chamfer {
+namespace {
+
+class Repairer {
+public:
+  Repairer(const TriangleMesh& mesh, const InputTolerances& tolerances, const ForEach& forEach,
+           Components& result)
+      : mesh_(mesh), tolerances_(tolerances), forEach_(forEach), result_(result),
+        standsFor_(mesh.positions.size()),
+        builders_([this] { return ComponentBuilder(mesh_, tolerances_); }) {
+    for (std::uint32_t v = 0; v < standsFor_.size(); ++v)
+      standsFor_[v] = v;
+  }
+
+  void run(const std::vector<std::uint32_t>& crowded, const std::vector<std::uint32_t>& open) {
+    const std::size_t first = result_.list.size();
+    meshTriangle_ = crowded;
+    closeWhatCloses();
+    meshTriangle_.insert(meshTriangle_.end(), open.begin(), open.end());
+    std::sort(meshTriangle_.begin(), meshTriangle_.end());
+    if (!meshTriangle_.empty()) {
+      takeCorners();
+      weldExact(corners_, mesh_.positions, standsFor_);
+      closeWhatCloses();
+    }
+    if (!meshTriangle_.empty()) {
+      weldNear(corners_, mesh_.positions, openVertices(), tolerances_.weld, standsFor_);
+      closeWhatCloses();
+    }
+    if (!meshTriangle_.empty()) keepFaulty();
+    assignDropped(first);
+    for (std::uint32_t v = 0; v < standsFor_.size(); ++v)
+      result_.counts.weldedVertices += standsFor_[v] != v;
+  }
+
+private:
+  /// corners_ from meshTriangle_, without triangles that name a vertex twice (and, once welded, these are
+  /// dropped).
+  void takeCorners() {
+    corners_.clear();
+    std::size_t kept = 0;
+    for (const std::uint32_t m : meshTriangle_) {
+      Triangle t = mesh_.triangles[m];
+      for (std::uint32_t& v : t)
+        v = standsFor_[v];
+      if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+        degenerate_.push_back(m);
+        continue;
+      }
+      corners_.push_back(t);
+      meshTriangle_[kept++] = m;
+    }
+    meshTriangle_.resize(kept);
+  }
+
+  /// One stage: pairs what meshTriangle_ holds, moves closed surfaces to the result and leaves the rest.
+  void closeWhatCloses() {
+    takeCorners();
+    if (corners_.empty()) return;
+    if (pairer_.pair(corners_, mesh_.positions.size(), opposite_).crowded > 0) {
+      if (dropDuplicates()) pairer_.pair(corners_, mesh_.positions.size(), opposite_);
+      pairCrowdedEdges();
+    }
+    DisjointSets sets(corners_.size());
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h)
+      if (opposite_[h] != kNone) sets.join(h / 3, opposite_[h] / 3);
+    std::vector<bool> open(corners_.size());
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h)
+      if (opposite_[h] == kNone) open[sets.find(h / 3)] = true;
+    const Lists surfaces =
+        listsBy(corners_.size(), corners_.size(), [&](std::uint32_t i) { return sets.find(i); });
+    std::vector<std::uint32_t> closed, rest;
+    for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+      if (!open[sets.find(surfaces[s][0])])
+        closed.push_back(s);
+      else
+        rest.insert(rest.end(), surfaces[s].begin(), surfaces[s].end());
+    }
+    const std::size_t first = result_.list.size();
+    result_.list.resize(first + closed.size());
+    std::vector<std::uint32_t> memberOf(corners_.size());
+    forEach_(closed.size(), [&](std::size_t i) {
+      result_.list[first + i] =
+          builders_.local().buildPaired(surfaces[closed[i]], corners_, meshTriangle_, opposite_, memberOf);
+    });
+    std::sort(rest.begin(), rest.end());
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      corners_[i] = corners_[rest[i]];
+      meshTriangle_[i] = meshTriangle_[rest[i]];
+    }
+    corners_.resize(rest.size());
+    meshTriangle_.resize(rest.size());
+  }
+
+  /// Triangles at crowded edges that repeat another one, facing the same way.
+  bool dropDuplicates() {
+    struct Suspect {
+      Triangle corners; ///< from the lowest on
+      std::uint32_t index;
+    };
+    std::vector<Suspect> suspects;
+    for (const std::uint32_t h : pairer_.crowdedHalfEdges()) {
+      Suspect& s = suspects.emplace_back(Suspect{corners_[h / 3], h / 3});
+      std::rotate(s.corners.begin(), std::min_element(s.corners.begin(), s.corners.end()), s.corners.end());
+    }
+    std::sort(suspects.begin(), suspects.end(), [](const Suspect& a, const Suspect& b) {
+      return a.corners != b.corners ? a.corners < b.corners : a.index < b.index;
+    });
+    std::vector<bool> drop(corners_.size());
+    bool any = false;
+    std::uint32_t original = 0; // of the triangles with the same corners, the first
+    for (std::size_t i = 0; i < suspects.size(); ++i) {
+      if (i == 0 || suspects[i].corners != suspects[i - 1].corners) original = suspects[i].index;
+      if (suspects[i].index == original || drop[suspects[i].index]) continue;
+      duplicates_.push_back({meshTriangle_[suspects[i].index], meshTriangle_[original]});
+      drop[suspects[i].index] = any = true;
+    }
+    if (!any) return false;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (drop[i]) continue;
+      corners_[kept] = corners_[i];
+      meshTriangle_[kept++] = meshTriangle_[i];
+    }
+    corners_.resize(kept);
+    meshTriangle_.resize(kept);
+    return true;
+  }
+
+  void pairCrowdedEdges() {
+    std::vector<double> volume;
+    DisjointSets pieces(mesh_.soup ? mesh_.positions.size() : 0);
+    if (mesh_.soup) volume = volumeOfPieces(pieces);
+    std::size_t begin = 0;
+    for (const std::uint32_t end : pairer_.crowdedEnds()) {
+      std::vector<std::uint32_t> edge(pairer_.crowdedHalfEdges().begin() + std::ptrdiff_t(begin),
+                                      pairer_.crowdedHalfEdges().begin() + std::ptrdiff_t(end));
+      begin = end;
+      pairWithinFaces(edge);
+      if (edge.size() == 2) {
+        opposite_[edge[0]] = edge[1];
+        opposite_[edge[1]] = edge[0];
+      } else if (mesh_.soup && !edge.empty()) {
+        const bool insideOut = volume[pieces.find(corners_[edge[0] / 3][0])] < 0;
+        pairCrowdedEdge(edge, corners_, mesh_.positions, insideOut, opposite_);
+      }
+    }
+  }
+
+  /// Pairs the two sides of diagonals that triangulation drew inside a polygon, and takes them out of `edge`:
+  /// where a polygon's corner lies on the line between two others, the diagonals of both its faces join the
+  /// same vertices.
+  void pairWithinFaces(std::vector<std::uint32_t>& edge) {
+    if (mesh_.faceOfTriangle.empty()) return;
+    const auto face = [&](std::uint32_t h) { return mesh_.faceOfTriangle[meshTriangle_[h / 3]]; };
+    std::stable_sort(edge.begin(), edge.end(),
+                     [&](std::uint32_t g, std::uint32_t h) { return face(g) < face(h); });
+    std::vector<std::uint32_t> rest;
+    for (std::size_t i = 0; i < edge.size(); ++i) {
+      if (i + 1 < edge.size() && face(edge[i]) == face(edge[i + 1])) {
+        opposite_[edge[i]] = edge[i + 1];
+        opposite_[edge[i + 1]] = edge[i];
+        ++i;
+      } else {
+        rest.push_back(edge[i]);
+      }
+    }
+    edge.swap(rest);
+  }
+
+  /// By piece that hangs together in vertices (in `pieces`, at its representative): its sign says which side
+  /// of the triangles is the inside before anything is known to be closed.
+  std::vector<double> volumeOfPieces(DisjointSets& pieces) const {
+    for (const Triangle& t : corners_) {
+      pieces.join(t[0], t[1]);
+      pieces.join(t[0], t[2]);
+    }
+    std::vector<double> volume(mesh_.positions.size());
+    for (const Triangle& t : corners_) {
+      const std::uint32_t piece = pieces.find(t[0]);
+      const Point3 origin = mesh_.positions[piece];
+      volume[piece] += dot(mesh_.positions[t[0]] - origin,
+                           cross(mesh_.positions[t[1]] - origin, mesh_.positions[t[2]] - origin));
+    }
+    return volume;
+  }
+
+  /// Ends of edges without partner, each once, ascending.
+  std::vector<std::uint32_t> openVertices() {
+    pairer_.pair(corners_, mesh_.positions.size(), opposite_);
+    std::vector<std::uint32_t> vertices;
+    const HalfEdges surface{corners_, opposite_};
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h)
+      if (opposite_[h] == kNone) vertices.insert(vertices.end(), {surface.start(h), surface.end(h)});
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return vertices;
+  }
+
+  /// What is left, one component for all that hangs together in vertices.
+  void keepFaulty() {
+    DisjointSets pieces(mesh_.positions.size());
+    for (const Triangle& t : corners_) {
+      pieces.join(t[0], t[1]);
+      pieces.join(t[0], t[2]);
+    }
+    const Lists sets = listsBy(corners_.size(), mesh_.positions.size(),
+                               [&](std::uint32_t i) { return pieces.find(corners_[i][0]); });
+    const std::size_t first = result_.list.size();
+    result_.list.resize(first + sets.size());
+    std::vector<std::uint32_t> localOf(mesh_.positions.size(), kNone);
+    forEach_(sets.size(), [&](std::size_t i) {
+      result_.list[first + i] = builders_.local().buildFaulty(sets[i], corners_, meshTriangle_, localOf);
+    });
+  }
+
+  /// Gives dropped triangles to the components whose surface they lie in.
+  void assignDropped(std::size_t firstComponent) {
+    result_.counts.degenerateTriangles += degenerate_.size();
+    result_.counts.duplicateTriangles += duplicates_.size();
+    if (degenerate_.empty() && duplicates_.empty()) return;
+    std::sort(degenerate_.begin(), degenerate_.end());
+    std::sort(duplicates_.begin(), duplicates_.end());
+    std::vector<std::uint32_t> ofVertex(mesh_.positions.size(), kNone),
+        ofTriangle(mesh_.triangles.size(), kNone);
+    for (std::size_t i = firstComponent; i < result_.list.size(); ++i)
+      for (const std::uint32_t m : result_.list[i].meshTriangle) {
+        ofTriangle[m] = std::uint32_t(i);
+        for (const std::uint32_t v : mesh_.triangles[m])
+          ofVertex[standsFor_[v]] = std::uint32_t(i);
+      }
+    for (const std::uint32_t m : degenerate_)
+      for (const std::uint32_t v : mesh_.triangles[m])
+        if (const std::uint32_t i = ofVertex[standsFor_[v]]; i != kNone) {
+          result_.list[i].degenerate.push_back(m);
+          break;
+        }
+    for (const auto& d : duplicates_)
+      if (const std::uint32_t i = ofTriangle[d[1]]; i != kNone) result_.list[i].duplicates.push_back(d);
+  }
+
+  const TriangleMesh& mesh_;
+  const InputTolerances& tolerances_;
+  const ForEach& forEach_;
+  Components& result_;
+  std::vector<std::uint32_t> standsFor_;    ///< by mesh vertex
+  std::vector<std::uint32_t> meshTriangle_; ///< not closed yet
+  std::vector<Triangle> corners_;           ///< of these, as welded
+  std::vector<std::uint32_t> opposite_;
+  std::vector<std::uint32_t> degenerate_;
+  std::vector<std::array<std::uint32_t, 2>> duplicates_;
+  HalfEdgePairer pairer_;
+  tbb::enumerable_thread_specific<ComponentBuilder> builders_;
+};
+
+} // namespace
+
+void repairComponents(const TriangleMesh& mesh, const InputTolerances& tolerances,
+                      const std::vector<std::uint32_t>& crowded, const std::vector<std::uint32_t>& open,
+                      const ForEach& forEach, Components& result) {
+  if (!crowded.empty() || !open.empty()) Repairer(mesh, tolerances, forEach, result).run(crowded, open);
+}
+
+} // namespace chamfer
