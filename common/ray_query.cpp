@@ -126,11 +126,6 @@ bool inOrOnSolid(const RoundingView& view, std::uint32_t solid, const Vector3& p
   return withinPlanes(view, solid, p, -0x1p-20 * view.solids[solid].boundRadius);
 }
 
-/// Is the point inside E? False without looking where a solid has many facets.
-bool inCore(const RoundingView& view, std::uint32_t solid, const Vector3& p) {
-  return hasFewFacets(view, solid) && withinPlanes(view, solid, p, double(view.solids[solid].radius));
-}
-
 /// May the point be inside P?
 bool maybeInSolid(const RoundingView& view, std::uint32_t solid, const Vector3& p) {
   const double bound = view.solids[solid].boundRadius;
@@ -143,48 +138,42 @@ bool inUnroundedSolid(const RoundingView& view, std::uint32_t solid, const Point
   return inOrOnSolid(view, solid, Vector3(point) - solidOrigin(view.solids[solid]));
 }
 
+bool maybeInUnroundedSolid(const RoundingView& view, std::uint32_t solid, const Point3& point) {
+  return maybeInSolid(view, solid, Vector3(point) - solidOrigin(view.solids[solid]));
+}
+
+bool holdsSolid(const RoundingView& view, std::uint32_t outer, std::uint32_t inner) {
+  const SolidRecord &o = view.solids[outer], &i = view.solids[inner];
+  const Vector3 shift = solidOrigin(i) - solidOrigin(o);
+  const double quantum = sphereQuantum(i), noise = 0x1p-20 * std::max(o.boundRadius, i.boundRadius);
+  for (std::uint32_t f = o.firstFacet; f < view.solids[outer + 1].firstFacet; ++f) {
+    const Vector3 n(view.facets[f].normal);
+    const double most = double(view.facets[f].offset) - double(i.radius) + noise - dot(n, shift);
+    for (std::uint32_t s = i.firstSphere; s < view.solids[inner + 1].firstSphere; ++s)
+      if (dot(n, decodeSphere(view.spheres[s], quantum)) > most) return false;
+  }
+  return true;
+}
+
 std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candidate& candidate, const Ray& ray,
-                                         double tnear, OriginIs origin) {
+                                         double tnear) {
   const std::uint32_t solid = view.facets[candidate.facet].solid;
   const Vector3 o = Vector3(ray.origin) - solidOrigin(view.solids[solid]);
   const Vector3 n(view.facets[candidate.facet].normal);
   const bool front = dot(n, ray.direction) < 0;
-  if (!front && (origin == OriginIs::Outside || !maybeInSolid(view, solid, o + ray.direction * tnear)))
-    return std::nullopt;
+  if (!front && !maybeInSolid(view, solid, o + ray.direction * tnear)) return std::nullopt;
   const Approach a = approach(view, candidate, o, ray.direction);
-  if (front) {
-    const auto in = a.in(view);
-    if (!in || in->t > tnear) return in;
-    const auto out = a.out(view);
-    return out && out->t > tnear ? out : std::nullopt;
-  }
-  const auto out = a.out(view);
-  if (!out || out->t <= tnear) return std::nullopt;
-  // The ray begins inside P: in R, or in the sliver in front of R. Mostly deep inside, which is cheap to see.
-  if (inCore(view, solid, o + ray.direction * tnear)) return out;
   const auto in = a.in(view);
-  return in && in->t > tnear ? in : out;
+  if (!in || in->t > tnear) return in;
+  const auto out = a.out(view);
+  return out && out->t > tnear ? out : std::nullopt;
 }
 
-std::optional<Feature> endWithin(const RoundingView& view, const Candidate& candidate, const Ray& ray,
-                                 double tnear, double tfar, OriginIs origin) {
-  const std::uint32_t solid = view.facets[candidate.facet].solid;
-  const Vector3 o = Vector3(ray.origin) - solidOrigin(view.solids[solid]);
-  const Approach a = approach(view, candidate, o, ray.direction);
-  // On a flat, the place itself is an end, whichever of the two it is.
-  if (a.flat && a.t > tnear && a.t < tfar) return Feature::Flat;
-  if (!(a.slope < 0) &&
-      (origin == OriginIs::Outside || !maybeInSolid(view, solid, o + ray.direction * tnear)))
-    return std::nullopt;
-  const auto within = [&](const std::optional<RoundedEnd>& end) {
-    return end && end->t > tnear && end->t < tfar;
-  };
-  const auto in = a.in(view);
-  if (within(in)) return in->feature;
-  if (!in || in->t >= tfar) return std::nullopt;
-  const auto out = a.out(view);
-  if (within(out)) return out->feature;
-  return std::nullopt;
+std::optional<RoundedEnd> nearEnd(const RoundingView& view, const Candidate& candidate, const Ray& ray) {
+  const FacetRecord& facet = view.facets[candidate.facet];
+  if (!(dot(Vector3(facet.normal), ray.direction) < 0)) return std::nullopt;
+  return approach(view, candidate, Vector3(ray.origin) - solidOrigin(view.solids[facet.solid]), ray.direction)
+      .in(view);
 }
 
 std::optional<RoundedEnd> farEnd(const RoundingView& view, const Candidate& candidate, const Ray& ray) {
@@ -192,6 +181,12 @@ std::optional<RoundedEnd> farEnd(const RoundingView& view, const Candidate& cand
   if (!(dot(Vector3(facet.normal), ray.direction) > 0)) return std::nullopt;
   return approach(view, candidate, Vector3(ray.origin) - solidOrigin(view.solids[facet.solid]), ray.direction)
       .out(view);
+}
+
+std::optional<RoundedInterval> intervalFrom(const RoundingView& view, std::uint32_t facet, const Ray& ray) {
+  const FacetRecord& record = view.facets[facet];
+  const Vector3 o = Vector3(ray.origin) - solidOrigin(view.solids[record.solid]);
+  return interval(view, record.solid, {Point3(o), ray.direction}, record.firstHalfEdge());
 }
 
 bool contains(const RoundingView& view, std::uint32_t solid, const Point3& point) {

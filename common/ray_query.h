@@ -65,29 +65,29 @@ struct Candidate {
   double t;            ///< where the ray meets the triangle; a float32 value is near enough
 };
 
-/// What the caller knows of a ray's origin (its point at tnear).
-enum class OriginIs : std::uint8_t { Anywhere, Outside }; ///< Outside: not in the unmodified solid P
-
 /// The first end of the ray's interval in the candidate's solid that lies beyond `tnear`, with the ray in the
-/// MESH's frame; nothing when there is none. This is the whole decision behind a mesh hit: flats are answered
-/// at once, zones are searched, slivers are seen through. The answer does not depend on which of the solid's
-/// triangles asked, but a back-facing candidate of a ray that begins outside P answers nothing: a
-/// front-facing one speaks for that ray.
+/// MESH's frame; nothing when there is none. This is the whole decision behind a mesh hit where nothing is
+/// known of the ray's origin: flats are answered at once, zones are searched, slivers are seen through. The
+/// answer does not depend on which of the solid's triangles asked, but a back-facing candidate of a ray that
+/// begins outside P may answer nothing: a front-facing one speaks for that ray.
 std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candidate& candidate, const Ray& ray,
-                                         double tnear, OriginIs origin = OriginIs::Anywhere);
+                                         double tnear);
 
-/// The feature of an end of the ray's interval in the candidate's solid that lies in (tnear, tfar), of either
-/// if both do; nothing when neither does. Ray in the mesh's frame. As with firstEndBeyond, a back-facing
-/// candidate may leave the answer to a front-facing one.
-std::optional<Feature> endWithin(const RoundingView& view, const Candidate& candidate, const Ray& ray,
-                                 double tnear, double tfar, OriginIs origin = OriginIs::Anywhere);
-
-/// The far end of the ray's line in the candidate's solid, ray in the mesh's frame: for a path that goes on
-/// inside a solid from its own surface. A front-facing candidate answers nothing: a back-facing one speaks.
+/// The near end of the ray's line in the candidate's solid, wherever the ray begins, ray in the mesh's frame:
+/// for a path outside of P. A back-facing candidate answers nothing: a front-facing one speaks.
+std::optional<RoundedEnd> nearEnd(const RoundingView& view, const Candidate& candidate, const Ray& ray);
+/// The far end, for a path inside R. A front-facing candidate answers nothing.
 std::optional<RoundedEnd> farEnd(const RoundingView& view, const Candidate& candidate, const Ray& ray);
+/// Both without a candidate, for a ray that begins in the solid or in its sliver (mesh's frame). `facet`: any
+/// of the solid's, in view.facets.
+std::optional<RoundedInterval> intervalFrom(const RoundingView& view, std::uint32_t facet, const Ray& ray);
 
-/// Is a point of the mesh's frame in the unmodified solid P, or on its surface for all that float32 can tell?
+/// Is a point of the mesh's frame in the unrounded solid P, or on its surface for all that float32 can tell?
 bool inUnroundedSolid(const RoundingView& view, std::uint32_t solid, const Point3& point);
+/// The same in bounded time: of a solid with many facets true may be said of a point beside it.
+bool maybeInUnroundedSolid(const RoundingView& view, std::uint32_t solid, const Point3& point);
+/// Does `outer`'s P hold the whole of `inner`'s R, for all that float32 can tell? Both are of the view.
+bool holdsSolid(const RoundingView& view, std::uint32_t outer, std::uint32_t inner);
 
 /// Is a point of the mesh's frame in the rounded solid? Takes time linear in the solid's facets.
 bool contains(const RoundingView& view, std::uint32_t solid, const Point3& point);

@@ -111,17 +111,18 @@ void traceField(benchmark::State& state, TracedInstance (*make)(unsigned), unsig
     ++hits;
     rounded += hit->rounded();
   };
-  const RayOrigin eye{kNone, kNone, kNone, false, false};
+  const PathState eye;
+  Arrival arrival;
   for (auto _ : state)
     for (const Pixel& p : pixels()) {
-      const auto hit = tracer->intersect(p.ray, eye);
+      const auto hit = tracer->intersect(p.ray, eye, 0, INFINITY, &arrival);
       count(hit);
       if (!hit) continue;
       const Vector3 bounce = normalize(hit->normal + p.unit * 0.999); // cosine-weighted
-      count(tracer->intersect({hit->position, bounce}, hit->leave(bounce)));
+      count(tracer->intersect({hit->position, bounce}, arrival.state));
       ++rays;
       if (dot(toLight, hit->normal) > 0)
-        benchmark::DoNotOptimize(tracer->occluded({hit->position, toLight}, hit->leave(toLight)));
+        benchmark::DoNotOptimize(tracer->occluded({hit->position, toLight}, arrival.state));
     }
   state.SetItemsProcessed(std::int64_t(rays));
   state.counters["rounded"] = hits ? double(rounded) / double(hits) : 0;

@@ -14,6 +14,9 @@ struct BsdfCase {
 };
 static void PrintTo(const BsdfCase& c, std::ostream* out) { *out << c.name << (c.inside ? " inside" : ""); }
 
+/// Index of the far side over that of the near side.
+static float etaOf(const BsdfCase& c) { return c.inside ? 1 / c.surface.ior : c.surface.ior; }
+
 namespace {
 
 using test::UniformNumbers;
@@ -48,7 +51,7 @@ class BsdfTest : public testing::TestWithParam<BsdfCase> {};
 TEST_P(BsdfTest, SamplesFollowTheDensity) {
   const BsdfCase& c = GetParam();
   for (const double angle : {10.0, 50.0, 80.0}) {
-    const Bsdf bsdf(c.surface, fromAngle(angle), c.inside);
+    const Bsdf bsdf(c.surface, fromAngle(angle), etaOf(c));
     // Deltas and lost samples share the cell of what has no density.
     const auto result = test::directionChiSquared(
         [&](UniformNumbers& u) -> std::optional<Vector3f> {
@@ -65,7 +68,7 @@ TEST_P(BsdfTest, SamplesFollowTheDensity) {
 
 TEST_P(BsdfTest, WeightsAreValueOverDensity) {
   const BsdfCase& c = GetParam();
-  const Bsdf bsdf(c.surface, fromAngle(40), c.inside);
+  const Bsdf bsdf(c.surface, fromAngle(40), etaOf(c));
   UniformNumbers u(1);
   for (int i = 0; i < 2000; ++i) {
     const float lobe = u();
@@ -90,10 +93,10 @@ TEST_P(BsdfTest, IsReciprocal) {
     wo.z = std::abs(wo.z);
     const Vector3f wi = u.direction();
     if (wo.z < 0.02f || std::abs(wi.z) < 0.02f) continue;
-    const Bsdf forward(c.surface, wo, c.inside);
+    const Bsdf forward(c.surface, wo, etaOf(c));
     // Seen from the other side, wi is where the path comes from: its frame's z is on wi's side.
     const float flip = wi.z > 0 ? 1.f : -1.f;
-    const Bsdf backward(c.surface, {wi.x, wi.y, wi.z * flip}, wi.z > 0 ? c.inside : !c.inside);
+    const Bsdf backward(c.surface, {wi.x, wi.y, wi.z * flip}, wi.z > 0 ? etaOf(c) : 1 / etaOf(c));
     const float a = forward.evaluate(wi).f.g / std::abs(wi.z);
     float b = backward.evaluate({wo.x, wo.y, wo.z * flip}).f.g / wo.z;
     // Radiance over squared index is what is conserved across a boundary.
@@ -104,7 +107,7 @@ TEST_P(BsdfTest, IsReciprocal) {
     EXPECT_NEAR(a, b, 2e-3f * std::max(a, b) + 1e-6f) << "wo.z " << wo.z << " wi.z " << wi.z;
     compared += a > 0;
   }
-  const Bsdf any(c.surface, fromAngle(40), c.inside);
+  const Bsdf any(c.surface, fromAngle(40), etaOf(c));
   EXPECT_TRUE(compared > 500 || !any.hasSmoothPart());
 }
 
@@ -129,7 +132,7 @@ TEST_P(BsdfTest, NeverReflectsMoreThanItGets) {
   SurfaceValues white = c.surface;
   white.baseColor = {1, 1, 1};
   for (const double angle : {0.0, 30.0, 60.0, 80.0, 89.0}) {
-    const auto [mean, error] = whiteFurnace(Bsdf(white, fromAngle(angle), c.inside), 100000);
+    const auto [mean, error] = whiteFurnace(Bsdf(white, fromAngle(angle), etaOf(c)), 100000);
     EXPECT_LE(mean, 1 + 4 * error + 4e-3) << angle << " degrees"; // 4e-3: the albedo table's interpolation
     EXPECT_GE(mean, 0.3) << angle << " degrees";
   }
@@ -140,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(Materials, BsdfTest, testing::ValuesIn(kCases));
 TEST(Bsdf, AWhiteBaseUnderAnyCoatReflectsEverything) {
   for (const float roughness : {0.f, 0.2f, 0.5f, 1.f})
     for (const double angle : {0.0, 45.0, 75.0}) {
-      const Bsdf bsdf({{1, 1, 1}, roughness, 0, 0.5f, 0, 1.5f}, fromAngle(angle), false);
+      const Bsdf bsdf({{1, 1, 1}, roughness, 0, 0.5f, 0, 1.5f}, fromAngle(angle), 1.5f);
       const auto [mean, error] = whiteFurnace(bsdf, 200000);
       EXPECT_NEAR(mean, 1, 4 * error + 4e-3) << "roughness " << roughness << ", " << angle << " degrees";
     }
@@ -148,7 +151,7 @@ TEST(Bsdf, AWhiteBaseUnderAnyCoatReflectsEverything) {
 
 TEST(Bsdf, ClearGlassFollowsSnellAndFresnel) {
   const SurfaceValues glass{{1, 1, 1}, 0, 0, 0.5f, 1, 1.5f};
-  const Bsdf outside(glass, fromAngle(30), false);
+  const Bsdf outside(glass, fromAngle(30), 1.5f);
   const BsdfSample transmitted = outside.sample(0.999f, {0.3f, 0.3f});
   ASSERT_TRUE(transmitted.delta);
   ASSERT_LT(transmitted.wi.z, 0);
@@ -156,7 +159,7 @@ TEST(Bsdf, ClearGlassFollowsSnellAndFresnel) {
   EXPECT_NEAR(transmitted.weight.r, 1 / 2.25, 1e-5);
   EXPECT_NEAR(fresnelDielectric(1, 1.5f), 0.04, 1e-6);
   // Beyond the critical angle, asin(1/1.5) = 41.8 degrees, glass is a perfect mirror from inside.
-  const Bsdf inside(glass, fromAngle(45), true);
+  const Bsdf inside(glass, fromAngle(45), 1 / 1.5f);
   for (const float lobe : {0.01f, 0.5f, 0.99f}) {
     const BsdfSample s = inside.sample(lobe, {0.3f, 0.3f});
     EXPECT_GT(s.wi.z, 0);

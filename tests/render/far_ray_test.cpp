@@ -58,8 +58,8 @@ TEST_F(FarRays, BeyondAllMeasureIsAMissAndNoHarm) {
     for (const Vector3& direction : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(-1, 1e-20, 1)})
       tracer_->intersect({{-away, away, 0.5}, direction});
   EXPECT_FALSE(tracer_->intersect({{-1e30, 1e20, 0}, {1, 0, 0}}));
-  EXPECT_FALSE(tracer_->insideSolid({1e30, 0, 0}));
-  EXPECT_TRUE(tracer_->insideSolid({0.1, 0.2, 0.3}));
+  EXPECT_TRUE(tracer_->stateAt({1e30, 0, 0}).empty());
+  EXPECT_FALSE(tracer_->stateAt({0.1, 0.2, 0.3}).empty());
   EXPECT_TRUE(tracer_->intersect({{-6, 0.4, 0.3}, {1, 0, 0}}));
 }
 

@@ -62,11 +62,12 @@ Estimate measureByScattering(const std::shared_ptr<const Scene>& scene, const Vi
   const int samples = int(view.samples) * 256;
   for (int i = 0; i < samples; ++i) {
     const Ray ray = camera.ray(0.5, 0.5, {});
-    const auto hit = tracer.intersect(ray);
+    Arrival arrival;
+    const auto hit = tracer.intersect(ray, {}, 0, INFINITY, &arrival);
     double value = 0;
     if (hit) {
       const Vector3 d(Frame(Vector3f(hit->normal)).toWorld(warpToCosineHemisphere(u.pair())));
-      const auto light = tracer.intersect({hit->position, d}, hit->leave(d));
+      const auto light = tracer.intersect({hit->position, d}, arrival.state);
       if (light)
         value =
             double(surfaces.place(*hit).material->baseColor.g * surfaces.place(*light).material->emission.g);

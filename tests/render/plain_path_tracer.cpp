@@ -1,6 +1,7 @@
 #include "tests/render/plain_path_tracer.h"
 
 #include "server/render/path/camera.h"
+#include "server/render/path/media.h"
 #include "server/render/path/pixel_filter.h"
 #include "tests/render/direction_chi_squared.h"
 
@@ -10,31 +11,32 @@ namespace chamfer::test {
 namespace {
 
 Color plainRadiance(const PreparedScene& prepared, Ray ray, unsigned maxBounces, UniformNumbers& u) {
-  RayOrigin from;
+  const Media media(prepared.surfaces(), prepared.tracer());
+  Arrival arrival{prepared.tracer().stateAt(ray.origin), {}};
   Color sum, throughput = grey(1);
-  for (unsigned bounce = 0;; ++bounce) {
-    const auto hit = prepared.tracer().intersect(ray, from);
-    if (!hit) return sum + throughput * prepared.lights().escaped(Vector3f(ray.direction), 0);
-    const SurfacePlace place = prepared.surfaces().place(*hit);
-    const bool inside = dot(ray.direction, hit->normal) > 0;
-    if (inside && place.material->transmission > 0) {
-      const Color& a = place.material->absorption;
-      const float d = float(hit->t);
-      throughput *= Color{std::exp(-a.r * d), std::exp(-a.g * d), std::exp(-a.b * d)};
+  for (unsigned bounce = 0;;) {
+    const auto met = prepared.tracer().intersect(ray, arrival.state, 0, INFINITY, &arrival);
+    if (!met) return sum + throughput * prepared.lights().escaped(Vector3f(ray.direction), 0);
+    const Crossing crossing = media.crossing(*met, arrival, ray.direction);
+    const TraceHit& hit = *crossing.hit;
+    throughput *= transmittance(crossing.before, hit.t);
+    if (crossing.nothing) {
+      ray.origin = hit.position;
+      continue;
     }
-    sum += throughput * place.material->emission;
-    if (bounce == maxBounces) return sum;
-    const Vector3 normal = inside ? -hit->normal : hit->normal;
+    sum += throughput * crossing.place.material->emission;
+    if (bounce++ == maxBounces) return sum;
+    const Vector3 normal = dot(ray.direction, hit.normal) > 0 ? -hit.normal : hit.normal;
     const Frame frame{Vector3f(normal)};
     const Vector3f wo = frame.toLocal(Vector3f(-ray.direction));
     if (!(wo.z > 0)) return sum;
     const float lobe = u();
-    const BsdfSample s = Bsdf(prepared.surfaces().values(*hit, place), wo, inside).sample(lobe, u.pair());
+    const BsdfSample s =
+        Bsdf(prepared.surfaces().values(hit, crossing.place), wo, crossing.eta).sample(lobe, u.pair());
     if (!s.valid) return sum;
     throughput *= s.weight;
-    ray = {hit->position, normalize(Vector3(frame.toWorld(s.wi)))};
+    ray = {hit.position, normalize(Vector3(frame.toWorld(s.wi)))};
     if ((dot(ray.direction, normal) > 0) != (s.wi.z > 0)) return sum;
-    from = hit->leave(ray.direction);
   }
 }
 

@@ -59,20 +59,14 @@ struct Placed {
         hit->t, {hit->normal.x, hit->normal.y, hit->normal.z}, oracle::Feature(hit->feature)};
   }
 
-  /// Every ray twice: with nothing known of where it begins, and with what Tracer::insideSolid says of that.
   oracle::AgreementReport check() const {
     const auto tracer = makeTracer(instances);
     const oracle::Subject subject = [&](const oracle::Ray& oracleRay) -> std::optional<oracle::Answer> {
       const Ray ray = toRay(oracleRay);
-      RayOrigin known;
-      known.maybeInSliver = known.maybeInSolid = tracer->insideSolid(ray.at(oracleRay.tnear));
-      const auto hit = tracer->intersect(ray, known, oracleRay.tnear);
-      const auto unknown = tracer->intersect(ray, {}, oracleRay.tnear);
+      const PathState from = tracer->stateAt(ray.at(oracleRay.tnear));
+      const auto hit = tracer->intersect(ray, from, oracleRay.tnear);
       // The any-hit query must say the same as the closest-hit query.
-      if (hit.has_value() != unknown.has_value() ||
-          (hit && std::abs(hit->t - unknown->t) > 1e-12 * (1 + hit->t)) ||
-          tracer->occluded(ray, {}, oracleRay.tnear) != hit.has_value() ||
-          tracer->occluded(ray, known, oracleRay.tnear) != hit.has_value())
+      if (tracer->occluded(ray, from, oracleRay.tnear) != hit.has_value())
         return oracle::Answer{NAN, {0, 0, 0}, oracle::Feature::Flat};
       return answerOf(hit);
     };
@@ -90,11 +84,10 @@ struct Placed {
     std::vector<std::optional<oracle::Answer>> answers;
     for (const oracle::Ray& start : rays) {
       Ray ray = toRay(start);
-      if (start.tnear != 0 || tracer->insideSolid(ray.origin)) continue;
-      RayOrigin from;
-      from.maybeInSliver = from.maybeInSolid = false;
+      if (start.tnear != 0) continue;
+      Arrival at{tracer->stateAt(ray.origin), {}};
       for (unsigned bounce = 0; bounce <= bounces; ++bounce) {
-        const auto hit = tracer->intersect(ray, from);
+        const auto hit = tracer->intersect(ray, at.state, 0, INFINITY, &at);
         // From the surface the oracle's ray begins a little later, so that it does not meet where it begins.
         const double tnear = bounce == 0 ? 0 : 1e-5 * truth.part(0).diagonal() / length(ray.direction);
         if (!hit || hit->t > tnear) {
@@ -107,7 +100,6 @@ struct Placed {
         ray = {
             hit->position,
             normalize(hit->normal + normalize(Vector3(gauss(random), gauss(random), gauss(random))) * 0.99)};
-        from = hit->leave(ray.direction);
       }
     }
     const oracle::Subject subject = [&](const oracle::Ray& ray) {
@@ -198,7 +190,7 @@ TEST(Tracer, OneMeshOfManySolidsIsTheirUnion) {
   }
   const auto report = oracle::compare(
       [&](const oracle::Ray& ray) -> std::optional<oracle::Answer> {
-        const auto hit = tracer->intersect(toRay(ray), {}, ray.tnear);
+        const auto hit = tracer->intersect(toRay(ray), tracer->stateAt(toRay(ray).at(ray.tnear)), ray.tnear);
         if (!hit) return std::nullopt;
         return oracle::Answer{
             hit->t, {hit->normal.x, hit->normal.y, hit->normal.z}, oracle::Feature(hit->feature)};
@@ -221,25 +213,26 @@ TEST(Tracer, PathsLeaveAndCrossASolidWithoutMeetingWhereTheyStart) {
     oracle::Ray ray = base;
     ray.origin = map.linear * ray.origin + map.offset;
     ray.direction = map.linear * ray.direction;
-    const auto hit = tracer->intersect(toRay(ray));
+    Arrival at;
+    const auto hit = tracer->intersect(toRay(ray), {}, 0, INFINITY, &at);
     if (!hit) continue;
     const Vector3 d(ray.direction.x(), ray.direction.y(), ray.direction.z());
     // Reflected, it never meets the convex solid again, also at grazing angles.
     const Vector3 reflected = d - hit->normal * (2 * dot(d, hit->normal));
     if (dot(reflected, hit->normal) > 0) {
-      EXPECT_FALSE(tracer->intersect({hit->position, reflected}, hit->leave(reflected)));
-      EXPECT_FALSE(tracer->occluded({hit->position, reflected}, hit->leave(reflected)));
+      EXPECT_FALSE(tracer->intersect({hit->position, reflected}, at.state));
+      EXPECT_FALSE(tracer->occluded({hit->position, reflected}, at.state));
     }
     // Straight on, it leaves where the oracle's interval ends.
     const auto interval = truth.interval(base);
     if (!interval || std::abs(double(truth.silhouetteMargin(base))) < 1e-5) continue;
-    const auto out = tracer->intersect({hit->position, d}, hit->leave(d));
+    const auto out = tracer->intersect({hit->position, d}, at.state, 0, INFINITY, &at);
     ASSERT_TRUE(out);
     ++crossed;
     EXPECT_NEAR(hit->t + out->t, double(interval->out.t), 2e-6 * truth.diagonal() / length(d) / 0.01);
     EXPECT_GT(dot(out->normal, d), 0);
     // And is gone then.
-    EXPECT_FALSE(tracer->intersect({out->position, d}, out->leave(d)));
+    EXPECT_FALSE(tracer->intersect({out->position, d}, at.state));
   }
   EXPECT_GT(crossed, 2000u);
 }
@@ -250,20 +243,13 @@ TEST(Tracer, AShadowRayInsideASolidIsStoppedBeforeALightInItsSliver) {
   options.radius.value = 0.5;
   const auto tracer = makeTracer({{makeTracedMesh(mesh), preprocess(*mesh, options).rounding, {}}});
   // From the room's floor, seen from inside, to a point between the rounded corner and the mesh's corner.
-  const auto floor = tracer->intersect({{0, 0, 0}, {0, 0, -1}});
+  Arrival at;
+  const auto floor = tracer->intersect({{0, 0, 0}, {0, 0, -1}}, tracer->stateAt({0, 0, 0}), 0, INFINITY, &at);
   ASSERT_TRUE(floor);
-  // The floor may lie in the sliver of something that stands on it: then the search goes on beyond the light.
-  for (const bool maybeInSliver : {false, true}) {
-    const auto from = [&](const Vector3& direction) {
-      RayOrigin origin = floor->leave(direction);
-      origin.maybeInSliver = maybeInSliver;
-      return origin;
-    };
-    const Vector3 toLight = Point3(0.95, 0.95, 0.95) - floor->position;
-    EXPECT_TRUE(tracer->occluded({floor->position, toLight}, from(toLight), 0, 1)) << maybeInSliver;
-    const Vector3 toRoom = Point3(0.5, 0.5, 0.5) - floor->position;
-    EXPECT_FALSE(tracer->occluded({floor->position, toRoom}, from(toRoom), 0, 1)) << maybeInSliver;
-  }
+  const Vector3 toLight = Point3(0.95, 0.95, 0.95) - floor->position;
+  EXPECT_TRUE(tracer->occluded({floor->position, toLight}, at.state, 0, 1));
+  const Vector3 toRoom = Point3(0.5, 0.5, 0.5) - floor->position;
+  EXPECT_FALSE(tracer->occluded({floor->position, toRoom}, at.state, 0, 1));
 }
 
 TEST(Tracer, SharpTrianglesAreNotMetAgainAtTheirOwnPlane) {
@@ -272,11 +258,12 @@ TEST(Tracer, SharpTrianglesAreNotMetAgainAtTheirOwnPlane) {
   oracle::Random random(3);
   for (int i = 0; i < 4000; ++i) {
     const Ray down{{random.uniform(-90, 90), random.uniform(-90, 90), 30}, {0.1, 0.2, -1}};
-    const auto hit = tracer->intersect(down);
+    Arrival at;
+    const auto hit = tracer->intersect(down, {}, 0, INFINITY, &at);
     ASSERT_TRUE(hit);
     const double angle = random.uniform(0, 6.28), rise = std::pow(10.0, -random.uniform(0, 4));
     const Vector3 along{std::cos(angle), std::sin(angle), rise};
-    EXPECT_FALSE(tracer->intersect({hit->position, along}, hit->leave(along))) << rise;
+    EXPECT_FALSE(tracer->intersect({hit->position, along}, at.state)) << rise;
   }
 }
 

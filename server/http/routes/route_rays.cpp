@@ -28,7 +28,7 @@ void trace(const Tracer& tracer, const RayList& list, std::vector<std::optional<
       }
       const std::size_t end = std::min(begin + kChunk, list.rays.size());
       for (std::size_t i = begin; i < end; ++i)
-        hits[i] = tracer.intersect(list.rays[i], {}, list.tnear);
+        hits[i] = tracer.intersect(list.rays[i], tracer.stateAt(list.rays[i].at(list.tnear)), list.tnear);
     }
   };
   const std::size_t useful = (list.rays.size() + kChunk - 1) / kChunk;

@@ -16,11 +16,11 @@ float coatReflectance(const SurfaceValues& s) {
 
 } // namespace
 
-Bsdf::Bsdf(const SurfaceValues& s, const Vector3f& wo, bool inside)
+Bsdf::Bsdf(const SurfaceValues& s, const Vector3f& wo, float eta)
     : wo_(wo), ggx_{s.roughness * s.roughness}, baseColor_(s.baseColor), metal_(s.metallic),
       glass_((1 - s.metallic) * s.transmission), base_((1 - s.metallic) * (1 - s.transmission)),
-      coatF0_(coatReflectance(s)), roughness_(s.roughness), eta_(inside ? 1 / s.ior : s.ior),
-      mirror_(ggx_.alpha < kMirrorAlpha), clearGlass_(mirror_ || s.ior == 1) {
+      coatF0_(coatReflectance(s)), roughness_(s.roughness), eta_(eta), mirror_(ggx_.alpha < kMirrorAlpha),
+      clearGlass_(mirror_ || eta == 1) {
   float coat = 0; // E(wo)
   if (base_ > 0) {
     float average = 0;

@@ -39,8 +39,9 @@ struct BsdfSample {
 
 class Bsdf {
 public:
-  /// `inside`: wo is inside the solid (its far side is the outside). `wo.z` > 0.
-  Bsdf(const SurfaceValues& surface, const Vector3f& wo, bool inside);
+  /// `eta`: index of refraction of the far side over that of wo's side; 1: light goes straight on. `wo.z` >
+  /// 0.
+  Bsdf(const SurfaceValues& surface, const Vector3f& wo, float eta);
 
   /// `diffuseLeft`: what a shading normal leaves of the diffuse part (terminatorFactor()); sample() knows
   /// none.

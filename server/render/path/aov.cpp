@@ -49,7 +49,7 @@ Color value(const Surfaces& surfaces, Aov aov, const TraceHit& hit, const Surfac
 } // namespace
 
 AovSample aovSample(const Surfaces& surfaces, const Tracer& tracer, Aov aov, const Ray& ray,
-                    const RayOrigin& from, const Sampler& sampler, RayStatistics& statistics) {
+                    const PathState& from, const Sampler& sampler, RayStatistics& statistics) {
   ++statistics.camera.traced;
   const auto hit = tracer.intersect(ray, from);
   if (!hit) return {};

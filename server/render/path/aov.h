@@ -17,6 +17,6 @@ struct AovSample {
 /// (0.25, 0.25, 0.25), cylinder (1, 0.5, 0), sphere (0, 0.5, 1). Instance: a colour of its own for each, so
 /// that a pixel's mean tells the instances' shares.
 AovSample aovSample(const Surfaces& surfaces, const Tracer& tracer, Aov aov, const Ray& ray,
-                    const RayOrigin& from, const Sampler& sampler, RayStatistics& statistics);
+                    const PathState& from, const Sampler& sampler, RayStatistics& statistics);
 
 } // namespace chamfer

@@ -10,10 +10,9 @@ enum PathPair : std::uint32_t { kChoicePair, kLightPair, kScatterPair, kRoulette
 /// Bounces before Russian roulette begins.
 constexpr unsigned kRouletteFrom = 3;
 
-Color transmittance(const Color& absorption, double distance) {
-  const float d = float(distance);
-  return {std::exp(-absorption.r * d), std::exp(-absorption.g * d), std::exp(-absorption.b * d)};
-}
+/// Surfaces between equal media that a path goes through from one of its vertices to the next; a path that
+/// meets more is going in circles, by rounding, and ends.
+constexpr unsigned kMostNothings = 1000;
 
 } // namespace
 
@@ -21,15 +20,18 @@ Color transmittance(const Color& absorption, double distance) {
 /// shading normal, both on the side that the path came from (shading_normal.h).
 class PathTracer::Vertex {
 public:
-  Vertex(const TraceHit& hit, const Vector3& incoming, const ShadingNormal& shading,
-         const SurfaceValues& surface)
-      : hit_(hit), side_(dot(incoming, hit.normal) > 0 ? -1 : 1), smooth_(shading.smooth * side_),
-        normal_(onThisSide(incoming, shading.normal)), turned_(!(shading.normal == shading.smooth)),
-        frame_(Vector3f(normal_)), bsdf_(surface, localOutgoing(incoming), side_ < 0) {}
+  /// `eta`: index of refraction of the far side over that of the side that the path came from. All must
+  /// outlive the vertex.
+  Vertex(const TraceHit& hit, const PathState& state, const Vector3& incoming, const ShadingNormal& shading,
+         const SurfaceValues& surface, float eta)
+      : hit_(hit), state_(state), side_(dot(incoming, hit.normal) > 0 ? -1 : 1),
+        smooth_(shading.smooth * side_), normal_(onThisSide(incoming, shading.normal)),
+        turned_(!(shading.normal == shading.smooth)), frame_(Vector3f(normal_)),
+        bsdf_(surface, localOutgoing(incoming), eta) {}
 
   bool hasSmoothPart() const { return bsdf_.hasSmoothPart(); }
   const Point3& position() const { return hit_.position; }
-  RayOrigin leave(const Vector3& direction) const { return hit_.leave(direction); }
+  const PathState& state() const { return state_; }
 
   /// `wi` world, unit.
   BsdfValue evaluate(const Vector3& wi) const {
@@ -67,6 +69,7 @@ private:
     return turned_ ? float(terminatorFactor(smooth_, normal_, wi)) : 1;
   }
   const TraceHit& hit_;
+  const PathState& state_;
   double side_; ///< -1: the path is inside the solid
   Vector3 smooth_, normal_;
   bool turned_;
@@ -76,14 +79,13 @@ private:
 
 bool PathTracer::reaches(const Vertex& vertex, const LightSample& light, RayCount& count) const {
   const Ray ray{vertex.position(), light.toLight};
-  const RayOrigin from = vertex.leave(light.toLight);
   ++count.traced;
   Feature blocker = Feature::Flat;
   bool reached;
   if (light.solid == kNone) {
-    reached = !tracer_.occluded(ray, from, 0, light.tfar, &blocker);
+    reached = !tracer_.occluded(ray, vertex.state(), 0, light.tfar, &blocker);
   } else {
-    const auto hit = tracer_.intersect(ray, from);
+    const auto hit = tracer_.intersect(ray, vertex.state());
     reached = hit && hit->instance == light.instance && hit->solid == light.solid;
     if (!hit) return false; // past the rounded emitter, into the void
     blocker = surfaces_.place(*hit).feature;
@@ -100,41 +102,55 @@ Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const 
   const BsdfValue scattered = vertex.evaluate(light.toLight * (1 / length(light.toLight)));
   if (scattered.f.isBlack()) return {};
   if (!reaches(vertex, light, statistics.shadow)) return {};
-  if (light.delta) return scattered.f * light.radiance;
-  return scattered.f * light.radiance * (powerHeuristic(light.pdf, scattered.pdf) / light.pdf);
+  Color arriving = scattered.f * light.radiance;
+  if (const Material* medium = media_.at(vertex.state(), light.toLight); medium && std::isfinite(light.tfar))
+    arriving *= transmittance(medium, length(light.toLight));
+  if (light.delta) return arriving;
+  return arriving * (powerHeuristic(light.pdf, scattered.pdf) / light.pdf);
 }
 
-Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayStatistics& statistics) const {
+Color PathTracer::radiance(Ray ray, const PathState& from, const Sampler& sampler,
+                           RayStatistics& statistics) const {
   Color sum, throughput = grey(1);
   float scatterPdf = 0; // with which the last direction was drawn; 0: delta or camera
   unsigned spread = 0;  // scatterings so far that were no deltas
+  unsigned nothings = 0;
   const auto limited = [this](const Color& light, bool indirect) {
     const float most = maxComponent(light);
     return indirect && most > indirectClamp_ ? light * (indirectClamp_ / most) : light;
   };
   float etaScale = 1; // undoes the compression of radiance in glass, for Russian roulette only
   RayCount* count = &statistics.camera;
-  for (unsigned bounce = 0;; ++bounce) {
+  Arrival arrival;
+  const PathState* state = &from;
+  for (unsigned bounce = 0;;) {
     ++count->traced;
-    const auto hit = tracer_.intersect(ray, from);
+    const auto hit = tracer_.intersect(ray, *state, 0, INFINITY, &arrival);
     if (!hit)
       return sum + limited(throughput * lights_.escaped(Vector3f(ray.direction), scatterPdf), spread > 1);
+    state = &arrival.state;
     ++count->hits;
-    const SurfacePlace place = surfaces_.place(*hit);
+    const Crossing crossing = media_.crossing(*hit, arrival, ray.direction);
+    const SurfacePlace& place = crossing.place;
     const Material& material = *place.material;
     count->rounded += place.rounded();
-    const double cosine = dot(ray.direction, hit->normal);
-    if (cosine > 0 && material.transmission > 0 && !material.absorption.isBlack())
-      throughput *= transmittance(material.absorption, hit->t);
+    throughput *= transmittance(crossing.before, crossing.hit->t);
+    if (crossing.nothing) {
+      if (++nothings > kMostNothings) return sum;
+      ray.origin = crossing.hit->position;
+      scatterPdf = 0; // a shadow ray would have ended here
+      continue;
+    }
     if (material.emits()) {
-      const float lightPdf = scatterPdf > 0 ? lights_.foundPdf(*hit, ray) : 0;
+      const float lightPdf = scatterPdf > 0 ? lights_.foundPdf(*crossing.hit, ray) : 0;
       const float weight = lightPdf > 0 ? powerHeuristic(scatterPdf, lightPdf) : 1;
       sum += limited(throughput * material.emission * weight, spread > 1);
     }
     if (bounce == maxBounces_) return sum;
 
-    const Vertex vertex(*hit, ray.direction, surfaces_.shadingNormal(*hit, place, sampler, bounce),
-                        surfaces_.values(*hit, place));
+    const Vertex vertex(*crossing.hit, arrival.state, ray.direction,
+                        surfaces_.shadingNormal(*crossing.hit, place, sampler, bounce),
+                        surfaces_.values(*crossing.hit, place), crossing.eta);
     const std::uint32_t pair = kFirstPathPair + bounce * kPairsPerBounce;
     const Float2 choice = sampler.pair(pair + kChoicePair);
     if (vertex.hasSmoothPart() && !lights_.empty())
@@ -143,8 +159,7 @@ Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayS
 
     const BsdfSample scattered = vertex.sample(choice.y, sampler.pair(pair + kScatterPair), ray.direction);
     if (!scattered.valid) return sum;
-    ray.origin = hit->position;
-    from = vertex.leave(ray.direction);
+    ray.origin = crossing.hit->position;
     throughput *= scattered.weight;
     etaScale *= scattered.etaSquared;
     scatterPdf = scattered.pdf;
@@ -155,6 +170,7 @@ Color PathTracer::radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayS
       throughput *= 1 / survive;
     }
     count = &statistics.bounce;
+    ++bounce;
   }
 }
 

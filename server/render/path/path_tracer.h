@@ -5,6 +5,7 @@
 #pragma once
 
 #include "server/render/light/lights.h"
+#include "server/render/path/media.h"
 #include "server/render/path/render.h"
 #include "server/render/surface/surface.h"
 
@@ -19,10 +20,10 @@ public:
   /// as in RenderSettings; indirect is light that was spread twice, by anything but mirrors and clear glass.
   PathTracer(const Surfaces& surfaces, const Tracer& tracer, const Lights& lights, unsigned maxBounces,
              float indirectClamp = 0)
-      : surfaces_(surfaces), tracer_(tracer), lights_(lights), maxBounces_(maxBounces),
-        indirectClamp_(indirectClamp > 0 ? indirectClamp : INFINITY) {}
-  /// `from`: where the ray starts, as a free point (a camera).
-  Color radiance(Ray ray, RayOrigin from, const Sampler& sampler, RayStatistics& statistics) const;
+      : surfaces_(surfaces), tracer_(tracer), lights_(lights), media_(surfaces, tracer),
+        maxBounces_(maxBounces), indirectClamp_(indirectClamp > 0 ? indirectClamp : INFINITY) {}
+  /// `from`: of the point that the ray starts at (a camera).
+  Color radiance(Ray ray, const PathState& from, const Sampler& sampler, RayStatistics& statistics) const;
 
 private:
   class Vertex;
@@ -33,6 +34,7 @@ private:
   const Surfaces& surfaces_;
   const Tracer& tracer_;
   const Lights& lights_;
+  Media media_;
   unsigned maxBounces_;
   float indirectClamp_;
 };

@@ -59,9 +59,10 @@ public:
         paths_(surfaces_, tracer_, prepared.lights(), settings.maxBounces, settings.indirectClamp),
         columns_((tile.width + kBlock - 1) / kBlock),
         blocks_(columns_ * ((tile.height + kBlock - 1) / kBlock)) {
-    // All rays of a pinhole start at the eye: whether that is in a sliver is asked once.
+    // All rays of a pinhole start at the eye, those of a lens near it: what that is in is mostly asked once.
     const Camera& camera = settings.camera ? *settings.camera : prepared.scene().camera;
-    from_.maybeInSliver = from_.maybeInSolid = camera_.usesLens() || tracer_.insideSolid(camera.eye);
+    from_ = tracer_.stateAt(camera.eye);
+    oneState_ = !camera_.usesLens() || tracer_.sameStateAround(camera.eye, camera.apertureDiameter / 2);
     result_.image = {tile.width, tile.height, std::vector<float>(std::size_t(tile.width) * tile.height * 4)};
   }
 
@@ -127,11 +128,13 @@ private:
     const Float2 offset = PixelFilter::instance().sample(sampler.pair(kPixelPair));
     const Float2 lens = camera_.usesLens() ? sampler.pair(kLensPair) : Float2{};
     const Ray ray = camera_.ray(x + 0.5 + offset.x, y + 0.5 + offset.y, lens);
+    const PathState ofItsOwn = oneState_ ? PathState() : tracer_.stateAt(ray.origin);
+    const PathState& from = oneState_ ? from_ : ofItsOwn;
     AovSample sample;
     if (settings_.aov == Aov::Beauty)
-      sample = {paths_.radiance(ray, from_, sampler, statistics), 1};
+      sample = {paths_.radiance(ray, from, sampler, statistics), 1};
     else
-      sample = aovSample(surfaces_, tracer_, settings_.aov, ray, from_, sampler, statistics);
+      sample = aovSample(surfaces_, tracer_, settings_.aov, ray, from, sampler, statistics);
     if (isFinite(sample.value)) return sample;
     ++statistics.nonFiniteSamples;
     return {{}, sample.coverage};
@@ -143,7 +146,8 @@ private:
   const TileRect& tile_;
   const RenderControl& control_;
   CameraRays camera_;
-  RayOrigin from_;
+  PathState from_;
+  bool oneState_; ///< of all camera rays
   PathTracer paths_;
   unsigned columns_, blocks_;
   RenderResult result_;

@@ -17,6 +17,7 @@ namespace chamfer {
 /// Which material each triangle of a mesh has when its instance names none.
 struct MeshMaterials {
   std::vector<std::uint32_t> ofTriangle; ///< into SceneData::materials; empty: kDefaultMaterial everywhere
+  bool transmits = false;                ///< light goes through some of them
 };
 
 /// What an instance is and what it is made of.

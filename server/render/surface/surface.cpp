@@ -19,12 +19,21 @@ const TriangleMesh& Surfaces::tracedMesh(std::uint32_t mesh) const {
   return forms_[mesh].explicitMesh ? forms_[mesh].explicitMesh->mesh() : *scene_->meshes[mesh].mesh;
 }
 
+bool Surfaces::transmits(const InstanceSource& s) const {
+  const SceneData& data = *scene_->data;
+  if (s.material != kNone) return data.materials[s.material].transmission > 0;
+  const auto& own = data.meshMaterials[s.mesh];
+  return own.ofTriangle.empty() ? data.materials[SceneData::kDefaultMaterial].transmission > 0
+                                : own.transmits;
+}
+
 std::vector<TracedInstance> Surfaces::ownInstances() const {
   std::vector<TracedInstance> own = scene_->instances;
   for (std::uint32_t i = 0; i < own.size(); ++i) {
     const MeshForm& f = *form(i);
     own[i].rounding = f.mode == RoundingMode::Analytic ? f.rounding : nullptr;
     if (f.explicitMesh) own[i].mesh = f.explicitMesh->traced();
+    own[i].transmits = transmits(source(i));
   }
   return own;
 }
@@ -34,6 +43,11 @@ const Material& Surfaces::material(const InstanceSource& source, std::uint32_t o
   if (source.material != kNone) return data.materials[source.material];
   const std::vector<std::uint32_t>& own = data.meshMaterials[source.mesh].ofTriangle;
   return data.materials[own.empty() ? SceneData::kDefaultMaterial : own[originalTriangle]];
+}
+
+const Material& Surfaces::material(std::uint32_t instance, std::uint32_t triangle) const {
+  const MeshForm* f = form(instance);
+  return material(source(instance), f && f->explicitMesh ? f->explicitMesh->source(triangle) : triangle);
 }
 
 const Material* Surfaces::materialOfAll(std::uint32_t instance, std::uint32_t triangle) const {

@@ -54,7 +54,9 @@ public:
   const TriangleMesh& tracedMesh(std::uint32_t mesh) const;
   /// All instances as they are traced: the scene's own, without a studio's.
   std::vector<TracedInstance> ownInstances() const;
-  /// The material of a traced triangle; null where it has several.
+  /// The material of a traced triangle, of the original surface's triangle that it stands for.
+  const Material& material(std::uint32_t instance, std::uint32_t triangle) const;
+  /// The same; null where it has several.
   const Material* materialOfAll(std::uint32_t instance, std::uint32_t triangle) const;
   std::size_t memoryBytes() const; ///< of explicit meshes, without hierarchies
 
@@ -62,6 +64,8 @@ private:
   const InstanceSource& source(std::uint32_t instance) const {
     return scene_->data->instanceSource[instance];
   }
+  /// Does light go through any of its triangles?
+  bool transmits(const InstanceSource& source) const;
   /// Null for a studio's own objects.
   const MeshForm* form(std::uint32_t instance) const;
   /// Has the solid more than one material, or a texture, so that the place on it matters?

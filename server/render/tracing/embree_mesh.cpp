@@ -15,6 +15,9 @@ namespace {
 /// Bytes that Embree has allocated, by its own count.
 std::atomic<std::ptrdiff_t> embreeBytes{0};
 
+/// Fixed: AVX-512 answers with other bits than AVX2, and is no faster here.
+constexpr const char* kInstructionSet = "avx2";
+
 constexpr const char* kCancelled = "cancelled while a bounding volume hierarchy was built";
 
 void checkDevice(const char* step) {
@@ -30,8 +33,9 @@ void checkDevice(const char* step) {
 
 RTCDevice embreeDevice() {
   static const RTCDevice shared = [] {
-    const RTCDevice made = rtcNewDevice(nullptr);
-    if (!made) throw Error(ErrorKind::Internal, "Embree cannot start on this machine");
+    const RTCDevice made = rtcNewDevice((std::string("isa=") + kInstructionSet).c_str());
+    if (!made)
+      throw Error(ErrorKind::Internal, "Embree cannot start on this machine; it needs a processor with AVX2");
     rtcSetDeviceMemoryMonitorFunction(
         made,
         [](void*, ssize_t bytes, bool) {
@@ -43,6 +47,8 @@ RTCDevice embreeDevice() {
   }();
   return shared;
 }
+
+std::string_view rayInstructionSet() { return kInstructionSet; }
 
 EmbreeScene::EmbreeScene() : scene_(rtcNewScene(embreeDevice())) {
   rtcSetSceneFlags(scene_, RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
@@ -97,6 +103,11 @@ TracedMesh::TracedMesh(std::shared_ptr<const TriangleMesh> mesh, const std::func
       *indices++ = v;
   scene_.attach(geometry);
   scene_.build(cancelled);
+}
+
+const ClosedSolids& TracedMesh::closed() const {
+  std::call_once(closedOnce_, [this] { closed_ = closedSolids(*mesh_); });
+  return closed_;
 }
 
 std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleMesh> mesh,

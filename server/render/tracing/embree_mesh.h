@@ -2,11 +2,13 @@
 // Embree.
 #pragma once
 
+#include "server/render/tracing/closed_solids.h"
 #include "server/render/tracing/tracer.h"
 
 #include <cmath>
 #include <embree3/rtcore.h>
 #include <limits>
+#include <mutex>
 
 namespace chamfer {
 
@@ -39,6 +41,7 @@ public:
   const Vector3& centre() const { return centre_; } ///< object coordinates of Embree's origin
   const Bounds3& bounds() const { return bounds_; }
   RTCScene scene() const { return scene_.get(); }
+  const ClosedSolids& closed() const; ///< made when first asked for
   std::size_t bytes() const {
     return scene_.bytes() + 12 * (mesh_->positions.size() + mesh_->triangles.size());
   }
@@ -48,6 +51,8 @@ private:
   Bounds3 bounds_;
   Vector3 centre_;
   EmbreeScene scene_;
+  mutable std::once_flag closedOnce_;
+  mutable ClosedSolids closed_;
 };
 
 /// Nearest float32 not below.

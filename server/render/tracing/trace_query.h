@@ -1,8 +1,17 @@
 // One ray's search, without Embree: what is known of the ray, the best hit so far, and what each triangle
 // that the ray meets means for it. Internal to the tracer.
+//
+// Embree's arithmetic is float32 on places about the ray's origin and the hit. Its ray therefore begins a
+// little before the true one, by all that it may be off, and what it meets near there is decided in double:
+// nothing that touches the origin is missed, and the origin's own surface is never met again. What a rounded
+// solid means for the ray follows from the path's relation to it (PathState):
+//  - none: the near end of the ray's interval in it, for its front-facing triangles;
+//  - inside: the far end, for its back-facing ones, and again without a triangle in finish();
+//  - in its sliver: the near end, found before the traversal in begin();
+//  - leaving its surface: nothing, it is convex.
 #pragma once
 
-#include "common/sidecar.h"
+#include "server/render/tracing/closed_solids.h"
 #include "server/render/tracing/flat_margins.h"
 #include "server/render/tracing/tracer.h"
 
@@ -11,12 +20,20 @@
 
 namespace chamfer {
 
-/// An instance as rays see it; pointers into the tracer's own.
-struct RayInstance {
+/// A mesh with its rounding, or sharp, as rays see it; pointers into the tracer's own.
+struct RayForm {
   const RoundingView* view;  ///< null: sharp
   const TriangleFlat* flats; ///< by triangle; null: sharp
+  const TriangleMesh* mesh;
+  const ClosedSolids* closed; ///< of a sharp mesh that transmits, else null
+  bool transmits;
+};
+
+struct RayInstance {
+  const RayForm* form;
   const Transform* worldFromObject;
   float objectScale; ///< an upper bound of what the way from the world to the object makes of lengths
+  float worldScale;  ///< the same the other way
 };
 
 /// A triangle that the ray meets, as Embree reports it.
@@ -26,134 +43,149 @@ struct MetTriangle {
   Vector3f normal, direction; ///< of the triangle and the ray, instance's frame, any length
 };
 
+/// A place that the ray may end at.
+struct Found {
+  double t = INFINITY;
+  std::uint32_t instance = kNone, triangle = kNone;
+  std::uint32_t facet = kNone; ///< kNone: a sharp triangle
+  std::uint32_t solid = kNone; ///< of a sharp triangle of a closed component
+  float u = 0, v = 0;
+  bool exact = false; ///< `t`, `normal` and `feature` are final, else the place is where the plane is met
+  Feature feature = Feature::Flat;
+  Vector3 normal; ///< world, unit, outward
+
+  Found() = default;
+  Found(const Found& o) { *this = o; }
+  /// Member by member: a copy in wide words would wait for the narrow stores just before it.
+  Found& operator=(const Found& o) {
+    t = o.t;
+    instance = o.instance;
+    triangle = o.triangle;
+    facet = o.facet;
+    solid = o.solid;
+    u = o.u;
+    v = o.v;
+    exact = o.exact;
+    feature = o.feature;
+    normal.x = o.normal.x;
+    normal.y = o.normal.y;
+    normal.z = o.normal.z;
+    return *this;
+  }
+};
+
 /// Lives on the caller's stack. Places along the ray are in units of its direction's length.
 class TraceQuery {
 public:
-  TraceQuery(const std::vector<RayInstance>& rayInstances, const Ray& worldRay, const RayOrigin& origin,
-             double near, double far)
-      : instances(&rayInstances), ray(worldRay), from(origin), tnear(near), best(far), limit(far) {
-    if (from.solid == kNone) return;
-    const auto& solids = rayInstances[from.instance].view->solids;
-    ownFirstFacet_ = solids[from.solid].firstFacet;
-    ownEndFacet_ = solids[from.solid + 1].firstFacet;
+  /// All must outlive the query. `slack`: world length by which Embree may be off at the ray's origin.
+  TraceQuery(const std::vector<RayInstance>& rayInstances, const Ray& worldRay, const PathState& origin,
+             double near, double far, double slack)
+      : instances(&rayInstances), ray(worldRay), from(&origin), tnear(near), tfar(far), limit(far) {
+    shift_ = slack / length(ray.direction);
+    if (!origin.empty()) lookAround();
   }
 
-  /// Takes the triangle's end of its solid as the hit if it is nearer than the best so far.
-  bool takeIfNearer(const MetTriangle& met) {
+  /// Where Embree's ray begins.
+  double traversalStart() const { return tnear - shift_; }
+
+  /// Solves for the solids whose sliver the origin is in. Call before the traversal.
+  void begin() {
+    if (!from->empty()) beginInSlivers();
+  }
+  /// Takes the triangle's end of its solid as the hit if it is nearer than the best so far, or notes that it
+  /// coincides with it. True: `limit` is lower than it was.
+  bool take(const MetTriangle& met) {
     const RayInstance& in = (*instances)[met.instance];
-    if (leaves(met)) {
-      noteOwnExit(in, met);
-      return false;
-    }
-    const std::uint32_t f = in.flats ? in.flats[met.triangle].facet : kNone;
-    bool flat = false;
+    const RayForm& form = *in.form;
+    const double t = traversalStart() + double(met.t);
+    if (t > limit) return false;
+    const std::uint32_t f = form.flats ? form.flats[met.triangle].facet : kNone;
+    const PathState::Place* place = from->empty() ? nullptr : placeOf(met, f);
+    Found found;
+    found.t = t;
+    found.instance = met.instance;
+    found.triangle = met.triangle;
+    found.facet = f;
+    found.u = met.u;
+    found.v = met.v;
     if (f == kNone) {
-      if ((from.instance == met.instance && from.triangle == met.triangle) || !(double(met.t) < best))
-        return false;
-      best = double(met.t);
-    } else if (!from.inside &&
-               own(met.instance, f)) { // outward, a path never meets again the solid that it leaves
-      noteOwnExit(in, met);
+      if (!meetsSharp(in, met, place, found)) return false;
+    } else if (place) {
+      if (!from->inside(*place, ray.direction) || !meetsFarSide(in, met, found)) return false;
+    } else if (!isNear(t) && isSurelyFlat(in, met)) {
+      // From outside, a flat that is met is the near end: what is met of the far side lies behind that.
+    } else if (!meetsNearSide(in, met, found)) {
       return false;
-    } else if (isSurelyFlat(in, met) && isEnd(met.instance, f)) {
-      if (!counts(double(met.t))) return false;
-      best = double(met.t);
-      flat = true;
-    } else {
-      const auto nearest = endAt(in, f, met);
-      if (!nearest || !counts(nearest->t)) return false;
-      best = nearest->t;
-      end = *nearest;
     }
-    limit = std::min(limit, std::max(best, keep));
-    found = true;
-    surelyFlat = flat;
-    instance = met.instance;
-    facet = f;
-    triangle = met.triangle;
-    u = met.u;
-    v = met.v;
+    return accept(found);
+  }
+  /// Looks for the far sides of solids that the origin is in and that the traversal may have ended before.
+  void finish();
+
+  /// Does the triangle mean that something is hit before tfar? Sets `blocker`.
+  bool isBlockedBy(const MetTriangle& met) {
+    const RayInstance& in = (*instances)[met.instance];
+    const RayForm& form = *in.form;
+    const double t = traversalStart() + double(met.t);
+    const std::uint32_t f = form.flats ? form.flats[met.triangle].facet : kNone;
+    const PathState::Place* place = from->empty() ? nullptr : placeOf(met, f);
+    Found found;
+    found.t = t;
+    found.instance = met.instance;
+    found.triangle = met.triangle;
+    found.facet = f;
+    if (f == kNone) return meetsSharp(in, met, place, found) && t < tfar;
+    if (place) {
+      // From inward a path leaves the rounded solid before the mesh. That far side counts as flat: which
+      // feature it is need not be found out.
+      return from->inside(*place, ray.direction) && t < tfar && leaving(met.instance, f);
+    }
+    if (!isNear(t) && t < tfar && isSurelyFlat(in, met)) return true;
+    if (!meetsNearSide(in, met, found) || !(found.t < tfar)) return false;
+    blocker = found.feature;
     return true;
   }
+  /// Does the ray, of which no triangle was in the way, leave a solid that it begins in before tfar?
+  bool isBlockedByFarSide();
 
-  /// Does the triangle mean that something is hit before `best`? Sets end.feature to what.
-  bool isBlockedBy(const MetTriangle& met) {
-    if (leaves(met)) return false;
-    const RayInstance& in = (*instances)[met.instance];
-    const std::uint32_t f = in.flats ? in.flats[met.triangle].facet : kNone;
-    if (f == kNone)
-      return !(from.instance == met.instance && from.triangle == met.triangle) && double(met.t) < best;
-    if (own(met.instance, f)) {
-      // From its own surface inward a path leaves the rounded solid before the mesh. That far side counts as
-      // flat: which feature it is need not be found out.
-      return from.inside && counts(double(met.t)) && leaving(met.instance, f);
-    }
-    if (isSurelyFlat(in, met) && isEnd(met.instance, f) && counts(double(met.t))) return true;
-    const auto feature =
-        endWithin(*in.view, {f, double(met.t)}, rayFor(met.instance), tnear, best, originIs());
-    if (feature) end.feature = *feature;
-    return feature.has_value();
-  }
-
-  /// Lets the traversal see all triangles of the solids that the origin may be in.
-  void holdOpen(double largestDiameter) {
-    keep = tnear + largestDiameter / length(ray.direction);
-    limit = std::max(best, keep);
-  }
-
-  bool own(std::uint32_t i, std::uint32_t f) const {
-    return from.instance == i && f >= ownFirstFacet_ && f < ownEndFacet_;
-  }
-  std::uint32_t solid() const { ///< that is hit; kNone: a sharp triangle
-    return facet == kNone ? kNone : (*instances)[instance].view->facets[facet].solid;
-  }
-  /// The hit's end of its solid, object frame.
-  RoundedEnd hitEnd() const { return surelyFlat ? planeEnd() : end; }
-  /// May the hit be in the sliver of a solid other than its own? Near an origin that may be in a sliver, it
-  /// may be in the same one.
-  bool hitMaybeInSliver() const {
-    return hitInPassage() || inOwnSliver() || (from.maybeInSliver && from.instance != kNone && best < keep);
-  }
-  bool hitMaybeInSolid() const { return from.maybeInSolid || hitInPassage() || inOwnSliver(); }
+  bool found() const { return found_; }
+  /// Is the hit a wall within a union of solids that the path is in? If so, the query of the rest of the ray
+  /// begins there. May change which of the coinciding surfaces is the hit.
+  bool isBuried();
+  TraceHit hit() const { return hitOf(best); }
+  void arrive(Arrival& arrival) const;
 
   const std::vector<RayInstance>* instances;
   Ray ray; ///< world
-  RayOrigin from;
-  double tnear;
-  double best;             ///< ends at or beyond this do not count
-  double limit;            ///< the traversal may end there
-  double keep = 0;         ///< `limit` may not fall below this
-  bool found = false;      ///< the rest is of the best hit so far
-  bool surelyFlat = false; ///< it is where the ray meets the plane of `facet`; else it is `end`
-  RoundedEnd end;
-  std::uint32_t instance = kNone, triangle = kNone, facet = kNone;
-  float u = 0, v = 0;
+  const PathState* from;
+  double tnear, tfar;
+  double limit; ///< the traversal may end there
+  Found best;
+  Feature blocker = Feature::Flat;
   float originSize = 0, directionSize = 0; ///< largest coordinates of the ray as Embree has it
+  bool notesPassages = false;              ///< arrive() will be asked for
 
 private:
-  /// The ray's way through the mesh of a solid whose rounded solid it does not meet there, as far as it is
-  /// known.
+  /// A rounded solid whose mesh the ray enters at `t` and which it does not meet there.
   struct Passage {
-    double in, out; ///< infinite where not known; `out`: surely by then
-    std::uint32_t instance, solid;
+    std::uint32_t instance, triangle, facet;
+    double t;
   };
 
-  bool counts(double t) const { return t > tnear && t < best; }
-  OriginIs originIs() const { return from.maybeInSolid ? OriginIs::Anywhere : OriginIs::Outside; }
-  /// The first triangle that a path outward meets is often the one that it leaves: nothing to look up for
-  /// that.
-  bool leaves(const MetTriangle& met) const {
-    return from.triangle == met.triangle && from.instance == met.instance && !from.inside;
+  bool isNear(double t) const { return t <= tnear + 2 * shift_; }
+  const PathState::Place* placeOf(const MetTriangle& met, std::uint32_t f) const {
+    for (const PathState::Place& p : from->places)
+      if (p.instance == met.instance &&
+          (f != kNone ? f >= p.firstFacet && f < p.endFacet : belongs(p, met.instance, met.triangle)))
+        return &p;
+    return nullptr;
   }
-  /// Is the met place, which is on a flat, the end of its solid that the query is after?
-  bool isEnd(std::uint32_t i, std::uint32_t f) {
-    if (own(i, f)) return leaving(i, f);
-    return !from.maybeInSliver; // from a sliver, the near end may come before
+  bool belongs(const PathState::Place& place, std::uint32_t i, std::uint32_t triangle) const {
+    if (place.rounded()) return false;
+    if (place.solid == kNone) return place.triangle == triangle;
+    const ClosedSolids* closed = (*instances)[i].form->closed;
+    return closed && (closed->ofTriangle[triangle] & ~ClosedSolids::kTurned) == place.solid;
   }
-  bool leaving(std::uint32_t i, std::uint32_t f) {
-    return dot(Vector3((*instances)[i].view->facets[f].normal), rayFor(i).direction) > 0;
-  }
-  bool inOwnSliver() const { return from.onRounding && !from.inside && !(ownExit_ < best); }
 
   const Ray& rayFor(std::uint32_t i) {
     if (frameInstance_ != i) {
@@ -162,84 +194,80 @@ private:
     }
     return objectRay_;
   }
+  bool leaving(std::uint32_t i, std::uint32_t f) {
+    return dot(Vector3((*instances)[i].form->view->facets[f].normal), rayFor(i).direction) > 0;
+  }
 
-  /// Embree's arithmetic is float32 on places about the origin and the hit: how far the ray may be off,
-  /// across itself, in the instance's units, is a few units in the last place of the larger.
+  /// How far Embree's ray may be off, across itself, in the instance's units: a few units in the last place
+  /// of the larger of origin and hit.
   float off(const RayInstance& in, const MetTriangle& met) const {
     return 0x1p-21f * (originSize + met.t * directionSize) * in.objectScale;
   }
-
   /// Is the place on the triangle's flat, by its barycentric coordinates alone?
   bool isSurelyFlat(const RayInstance& in, const MetTriangle& met) const {
     const float slope = dot(met.normal, met.direction);
-    return in.flats[met.triangle].holds(met.u, met.v, off(in, met),
-                                        slope * slope /
-                                            (lengthSquared(met.normal) * lengthSquared(met.direction)));
+    return in.form->flats[met.triangle].holds(met.u, met.v, off(in, met),
+                                              slope * slope /
+                                                  (lengthSquared(met.normal) * lengthSquared(met.direction)));
   }
 
-  /// By where the ray has surely crossed the triangle's plane. Where the hit's object touches a solid, a path
-  /// that goes on from the hit may be back in the solid's mesh, for all that float32 can tell.
-  double crossedBy(const RayInstance& in, const MetTriangle& met) const {
-    const Vector3 n(met.normal), d(met.direction);
-    return double(met.t) + 2 * double(off(in, met)) * length(n) / std::abs(dot(n, d));
+  bool meetsFarSide(const RayInstance& in, const MetTriangle& met, Found& found) {
+    if (isSurelyFlat(in, met) && !isNear(found.t)) return leaving(met.instance, found.facet);
+    const auto end = farEnd(*in.form->view, {found.facet, found.t}, rayFor(met.instance));
+    if (!end) return false;
+    setEnd(found, *end);
+    found.t = std::max(found.t, tnear); // grazing: in and out within rounding
+    return true;
   }
-  void noteOwnExit(const RayInstance& in, const MetTriangle& met) {
-    if (from.onRounding) ownExit_ = std::min(ownExit_, crossedBy(in, met));
+  bool meetsNearSide(const RayInstance& in, const MetTriangle& met, Found& found) {
+    const auto end = nearEnd(*in.form->view, {found.facet, found.t}, rayFor(met.instance));
+    if (notesPassages && (!end || end->t > found.t)) notePassage(in, met, found);
+    if (!end) return false;
+    setEnd(found, *end);
+    return end->t > tnear || beginsOnSurface(found);
   }
+  bool meetsSharp(const RayInstance& in, const MetTriangle& met, const PathState::Place* place,
+                  Found& found) {
+    return (!in.form->closed && !place && !isNear(found.t)) || meetsSharpClosely(in, met, place, found);
+  }
+  bool meetsSharpClosely(const RayInstance& in, const MetTriangle& met, const PathState::Place* place,
+                         Found& found);
 
-  std::optional<RoundedEnd> endAt(const RayInstance& in, std::uint32_t f, const MetTriangle& met) {
-    const Candidate candidate{f, double(met.t)};
-    const Ray& objectRay = rayFor(met.instance);
-    // The path goes on inward from this very surface: it meets the far end.
-    if (own(met.instance, f)) return farEnd(*in.view, candidate, objectRay);
-    const auto nearest = firstEndBeyond(*in.view, candidate, objectRay, tnear, originIs());
-    if (!nearest || nearest->feature != Feature::Flat) pass(in, f, met);
-    return nearest;
-  }
-
-  /// Remembers where the ray enters or leaves the mesh of a solid.
-  void pass(const RayInstance& in, std::uint32_t f, const MetTriangle& met) {
-    const std::uint32_t s = in.view->facets[f].solid;
-    const unsigned known = std::min(passageCount_, unsigned(std::size(passages_)));
-    unsigned k = 0;
-    while (k < known && (passages_[k].instance != met.instance || passages_[k].solid != s))
-      ++k;
-    if (k == known) {
-      if (passageCount_++ >= std::size(passages_)) return;
-      passages_[k] = {INFINITY, INFINITY, met.instance, s};
+  void notePassage(const RayInstance& in, const MetTriangle& met, const Found& found);
+  void setEnd(Found& found, const RoundedEnd& end) const;
+  void refine(Found& found) const;
+  /// The near end lies at the origin or behind, for rounding, and the ray goes on into the solid: then it is
+  /// met at once.
+  bool beginsOnSurface(Found& found);
+  bool accept(Found& found) {
+    if (!amongOthers_ && !coincidenceMatters_ && !(*instances)[found.instance].form->transmits) {
+      if (!(found.t < best.t) || !(found.t < tfar)) return false;
+      best = found;
+      found_ = true;
+      limit = best.t;
+      return true;
     }
-    if (leaving(met.instance, f))
-      passages_[k].out = std::min(passages_[k].out, crossedBy(in, met));
-    else
-      passages_[k].in = std::min(passages_[k].in, double(met.t));
+    return acceptWithTouching(found);
   }
-  /// May the hit lie inside the mesh of another solid, by what the ray passed on its way?
-  bool hitInPassage() const {
-    if (passageCount_ == 0) return false;
-    if (passageCount_ > std::size(passages_)) return true;
-    const std::uint32_t hit = solid();
-    for (unsigned k = 0; k < passageCount_; ++k) {
-      const Passage& p = passages_[k];
-      if (p.in < best && !(p.out < best) && (p.instance != instance || p.solid != hit)) return true;
-    }
-    return false;
-  }
+  bool acceptWithTouching(Found& found);
+  double touchReach(const Found& found) const;
+  double solidRadius(const Found& found) const;
+  std::uint32_t solidOf(const Found& found) const;
+  bool coincide(const Found& a, const Found& b) const;
+  TraceHit hitOf(const Found& found) const;
+  void lookAround();
+  void beginInSlivers();
+  bool outsideAt(const PathState::Place& place, double t);
+  bool buries(std::uint32_t instance, std::uint32_t solid, const Found& wall) const;
 
-  /// Where the ray meets the facet's plane, in double.
-  RoundedEnd planeEnd() const {
-    const RayInstance& in = (*instances)[instance];
-    const FacetRecord& record = in.view->facets[facet];
-    const SolidRecord& s = in.view->solids[record.solid];
-    const Ray object = in.worldFromObject->applyInverse(ray);
-    const Vector3 n(record.normal), o = object.origin - Point3(s.origin[0], s.origin[1], s.origin[2]);
-    return {(double(record.offset) - dot(n, o)) / dot(n, object.direction), n, Feature::Flat};
-  }
-
-  std::uint32_t ownFirstFacet_ = 0, ownEndFacet_ = 0; ///< of the solid that the path is at
-  double ownExit_ = INFINITY;                         ///< by where the ray has surely left that solid's mesh
-  Passage passages_[4];                               ///< as many as are counted
-  unsigned passageCount_ = 0;                         ///< above the array's size: some are not known
-  std::uint32_t frameInstance_ = kNone;               ///< whose frame objectRay_ is in
+  double shift_ = 0;
+  bool insideAny_ = false;          ///< the origin is in a solid
+  bool amongOthers_ = false;        ///< of those that light goes through, or that are one with others
+  bool coincidenceMatters_ = false; ///< of other surfaces with the best so far
+  bool found_ = false;
+  boost::container::small_vector<Found, 1> touching_;
+  boost::container::small_vector<Passage, 4> passages_;
+  std::uint32_t frameInstance_ = kNone; ///< whose frame objectRay_ is in
   Ray objectRay_;
 };
 

@@ -10,7 +10,10 @@
 #include "server/render/tracing/embree_mesh.h"
 #include "server/render/tracing/trace_query.h"
 
+#include "common/error.h"
+
 #include <map>
+#include <tuple>
 
 namespace chamfer {
 namespace {
@@ -19,7 +22,6 @@ namespace {
 struct Context {
   RTCIntersectContext embree; // first, so that Embree's pointer to it is ours
   TraceQuery query;
-  Vector3 offset; ///< of Embree's ray only
 };
 
 MetTriangle metTriangle(const RTCFilterFunctionNArguments* args) {
@@ -37,8 +39,8 @@ MetTriangle metTriangle(const RTCFilterFunctionNArguments* args) {
 void intersectFilter(const RTCFilterFunctionNArguments* args) {
   TraceQuery& query = reinterpret_cast<Context*>(args->context)->query;
   args->valid[0] = 0;
-  if (!query.takeIfNearer(metTriangle(args))) return;
-  reinterpret_cast<RTCRay*>(args->ray)->tfar = above(query.limit);
+  if (!query.take(metTriangle(args))) return;
+  reinterpret_cast<RTCRay*>(args->ray)->tfar = above(query.limit - query.traversalStart());
   args->valid[0] = -1;
 }
 
@@ -47,22 +49,53 @@ void occludedFilter(const RTCFilterFunctionNArguments* args) {
   if (!query.isBlockedBy(metTriangle(args))) args->valid[0] = 0;
 }
 
+/// All solids that a point may be in.
 struct PointQuery {
   RTCIntersectContext context;
   const std::vector<RayInstance>* instances;
-  Point3 point;
+  struct Solid {
+    std::uint32_t instance, solid, triangle, facet;
+    int leaving; ///< of a sharp one: how often more the ray leaves it than it enters it
+  };
+  boost::container::small_vector<Solid, 8> solids;
 };
 
-/// Accepts a triangle whose solid's mesh holds the point. A ray from inside a solid meets its far side, so
-/// any ray from the point finds every such solid.
+/// Notes the triangle's solid and lets the ray go on. A ray from inside a solid meets its far side, so any
+/// ray from the point finds every such solid.
 void insideFilter(const RTCFilterFunctionNArguments* args) {
-  const auto& q = *reinterpret_cast<const PointQuery*>(args->context);
+  auto& q = *reinterpret_cast<PointQuery*>(args->context);
   const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
-  const RayInstance& in = (*q.instances)[hit.instID[0]];
+  const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
   args->valid[0] = 0;
-  if (!in.flats || in.flats[hit.primID].facet == kNone) return;
-  const std::uint32_t solid = in.view->facets[in.flats[hit.primID].facet].solid;
-  if (inUnroundedSolid(*in.view, solid, in.worldFromObject->applyInverse(q.point))) args->valid[0] = -1;
+  const RayForm& form = *(*q.instances)[hit.instID[0]].form;
+  std::uint32_t solid = kNone, facet = kNone;
+  int leaving = 0;
+  if (form.flats) {
+    facet = form.flats[hit.primID].facet;
+    if (facet != kNone) solid = form.view->facets[facet].solid;
+  } else if (form.closed && form.closed->ofTriangle[hit.primID] != kNone) {
+    const std::uint32_t entry = form.closed->ofTriangle[hit.primID];
+    solid = entry & ~ClosedSolids::kTurned;
+    const auto& t = form.mesh->triangles[hit.primID];
+    const auto& p = form.mesh->positions;
+    const Vector3 n = cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]);
+    const bool along = dot(n, Vector3(ray.dir_x, ray.dir_y, ray.dir_z)) > 0;
+    leaving = along == ((entry & ClosedSolids::kTurned) == 0) ? 1 : -1;
+  }
+  if (solid == kNone) return;
+  for (PointQuery::Solid& s : q.solids)
+    if (s.instance == hit.instID[0] && s.solid == solid) {
+      s.leaving += leaving;
+      return;
+    }
+  q.solids.push_back({hit.instID[0], solid, hit.primID, facet, leaving});
+}
+
+/// Is some triangle's box within the query's radius?
+bool nearFilter(RTCPointQueryFunctionArguments* args) {
+  *static_cast<bool*>(args->userPtr) = true;
+  args->query->radius = 0; // enough
+  return true;
 }
 
 class EmbreeTracer final : public Tracer {
@@ -78,54 +111,104 @@ public:
       }
     centre_ = bounds_.empty() ? Vector3() : Vector3(bounds_.centre());
     reach_ = 0.5 * bounds_.diagonal();
+    checkCoordinates();
     instances_.reserve(owned_.size());
     for (const TracedInstance& i : owned_) {
       instances_.push_back(rayInstance(i));
       attachInstance(i);
-      if (i.rounding) largestDiameter_ = std::max(largestDiameter_, worldDiameter(i));
+      largestDiameter_ = std::max(largestDiameter_, worldDiameter(instances_.back()));
     }
     scene_.build();
   }
 
-  std::optional<TraceHit> intersect(const Ray& ray, const RayOrigin& from, double tnear,
-                                    double tfar) const override {
-    if (from.instance == kNone && isFar(ray)) return intersectFromAfar(ray, from, tnear, tfar);
+  std::optional<TraceHit> intersect(const Ray& ray, const PathState& from, double tnear, double tfar,
+                                    Arrival* arrival) const override {
+    if (from.empty() && isFar(ray)) return intersectFromAfar(ray, tnear, tfar, arrival);
     Context c = context(ray, from, tnear, tfar, &intersectFilter);
-    traverse(c);
-    // A path inside a rounded solid ends at its far side, unless it meets something before. What it met may
-    // lie behind that side, in the sliver, and then the search may have ended before the side's triangle.
-    if (from.inside && endsOutside(c.query)) {
-      c = context(ray, from, tnear, tfar, &intersectFilter);
-      c.query.holdOpen(largestDiameter_);
-      traverse(c);
+    c.query.notesPassages = arrival != nullptr;
+    search(c);
+    if (c.query.isBuried()) {
+      Arrival within;
+      c.query.arrive(within);
+      const double there = c.query.best.t;
+      const auto hit = intersect(ray, within.state, there, tfar, arrival);
+      return hit;
     }
-    if (!c.query.found) return std::nullopt;
-    return c.query.facet == kNone ? sharpHit(c.query) : roundedHit(c.query);
+    if (!c.query.found()) return std::nullopt;
+    const TraceHit hit = c.query.hit();
+    if (arrival) c.query.arrive(*arrival);
+    return hit;
   }
 
-  bool occluded(const Ray& ray, const RayOrigin& from, double tnear, double tfar,
+  bool occluded(const Ray& ray, const PathState& from, double tnear, double tfar,
                 Feature* blocker) const override {
+    if (!from.empty() && inUnion(from, ray.direction)) {
+      const auto hit = intersect(ray, from, tnear, tfar, nullptr);
+      if (hit && blocker) *blocker = hit->feature;
+      return hit.has_value();
+    }
     Context c = context(ray, from, tnear, tfar, &occludedFilter);
-    RTCRay r = embreeRay(c);
+    c.query.begin();
+    if (blocker) *blocker = c.query.best.feature;
+    if (c.query.found() || c.query.isBlockedByFarSide()) return true;
+    RTCRay r = embreeRay(c.query);
     rtcOccluded1(scene_.get(), &c.embree, &r);
-    if (blocker) *blocker = c.query.end.feature;
-    return r.tfar < 0 || (from.inside && endsOutside(c.query));
+    if (blocker) *blocker = c.query.blocker;
+    return r.tfar < 0;
   }
 
-  bool insideSolid(const Point3& point) const override {
+  PathState stateAt(const Point3& point) const override {
+    PathState state;
     const double away = length(Vector3(point) - centre_);
-    if (!(away <= 2 * reach_)) return false; // Embree takes no coordinates beyond 1.8e18
+    if (!(away <= 2 * reach_)) return state; // Embree takes no coordinates beyond 1.8e18
     PointQuery q;
     rtcInitIntersectContext(&q.context);
     q.context.filter = &insideFilter;
     q.instances = &instances_;
-    q.point = point;
     // Begins a little before the point, so that it meets the far side also of a solid that the point is on.
     const Vector3 direction{0.8, 0.5, 0.33166}, o = Vector3(point) - centre_;
     const double before = 0x1p-18 * (length(o) + reach_);
     RTCRay r = embreeRay(o - direction * before, direction, 0, largestDiameter_ + 2 * before);
     rtcOccluded1(scene_.get(), &q.context, &r);
-    return r.tfar < 0;
+    for (const PointQuery::Solid& s : q.solids) {
+      const RayInstance& in = instances_[s.instance];
+      if (s.facet == kNone) {
+        if (s.leaving > 0)
+          state.places.push_back(
+              {s.instance, s.solid, s.triangle, kNone, kNone, PathState::At::Inside, false});
+        continue;
+      }
+      const RoundingView& view = *in.form->view;
+      const Point3 p = in.worldFromObject->applyInverse(point);
+      if (!inUnroundedSolid(view, s.solid, p)) continue;
+      state.places.push_back({s.instance, s.solid, s.triangle, view.solids[s.solid].firstFacet,
+                              view.solids[s.solid + 1].firstFacet,
+                              contains(view, s.solid, p) ? PathState::At::Inside : PathState::At::Sliver,
+                              false});
+    }
+    return state;
+  }
+
+  bool sameStateAround(const Point3& point, double radius) const override {
+    const double away = length(Vector3(point) - centre_);
+    if (away > 2 * reach_ + radius) return true;
+    bool near = false;
+    RTCPointQuery query{};
+    const Vector3 o = Vector3(point) - centre_;
+    query.x = float(o.x);
+    query.y = float(o.y);
+    query.z = float(o.z);
+    query.radius = above(radius + 0x1p-18 * (length(o) + reach_));
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene_.get(), &query, &context, &nearFilter, &near);
+    return !near;
+  }
+
+  double worldRadius(std::uint32_t instance, std::uint32_t solid) const override {
+    const RayInstance& in = instances_[instance];
+    return double(in.worldScale) * (in.form->view ? double(in.form->view->solids[solid].boundRadius)
+                                                  : in.form->closed->radius[solid]);
   }
 
   const Bounds3& bounds() const override { return bounds_; }
@@ -139,8 +222,8 @@ public:
       return true;
     };
     std::size_t bytes = scene_.bytes() + instances_.size() * sizeof(RayInstance);
-    for (const auto& [key, flats] : flats_)
-      bytes += flats.size() * sizeof(TriangleFlat);
+    for (const auto& [key, form] : forms_)
+      bytes += form->flats.size() * sizeof(TriangleFlat) + (form->ray.closed ? form->ray.closed->bytes() : 0);
     const void *lastMesh = nullptr, *lastRounding = nullptr;
     for (const TracedInstance& i : owned_) {
       if (i.mesh.get() != lastMesh && first(i.mesh.get())) bytes += i.mesh->bytes();
@@ -163,28 +246,56 @@ private:
   }
 
   /// The same hit, found by a unit ray that starts before the scene.
-  std::optional<TraceHit> intersectFromAfar(const Ray& ray, const RayOrigin& from, double tnear,
-                                            double tfar) const {
+  std::optional<TraceHit> intersectFromAfar(const Ray& ray, double tnear, double tfar,
+                                            Arrival* arrival) const {
     const double size = length(ray.direction);
     const Vector3 unit = ray.direction / size;
     const double skipped =
         std::max(0.0, dot(centre_ - Vector3(ray.origin), unit) - 2 * reach_); // the scene is behind it
     const Ray near{ray.origin + unit * skipped, unit};
     if (isFar(near)) return std::nullopt; // passes the scene by, or there is none
-    auto hit = intersect(near, from, std::max(0.0, tnear * size - skipped), tfar * size - skipped);
+    auto hit = intersect(near, {}, std::max(0.0, tnear * size - skipped), tfar * size - skipped, arrival);
     if (hit) hit->t = (hit->t + skipped) / size;
     return hit;
   }
 
+  /// A mesh in one form, for all of its instances.
+  struct Form {
+    std::vector<TriangleFlat> flats;
+    RayForm ray;
+  };
+
+  /// Embree ends the process over coordinates beyond 1.8e18, in an instance's frame too.
+  void checkCoordinates() const {
+    for (std::size_t k = 0; k < owned_.size(); ++k) {
+      const TracedInstance& i = owned_[k];
+      const Bounds3& b = i.mesh->bounds();
+      if (b.empty()) continue;
+      const double world = norm(i.worldFromObject), object = norm(i.worldFromObject.inverse());
+      const double size = std::max({reach_, length(i.worldFromObject(b.centre()) - Point3(centre_)),
+                                    world * b.diagonal(), b.diagonal(), object * reach_, world, object});
+      if (!(size <= kLargestCoordinate))
+        throw Error(ErrorKind::OutOfRange,
+                    "instance " + std::to_string(k) + " is placed or scaled so that coordinates reach " +
+                        std::to_string(size) + "; rays can be traced up to 1e15: scale the scene");
+    }
+  }
+
   RayInstance rayInstance(const TracedInstance& i) {
-    RayInstance in{nullptr, nullptr, &i.worldFromObject, 1};
-    if (!i.rounding) return in;
-    in.view = &i.rounding->view();
-    auto& flats = flats_[{i.mesh.get(), i.rounding.get()}];
-    if (flats.empty()) flats = flatMargins(*in.view, i.mesh->mesh(), 0.5 * i.mesh->bounds().diagonal());
-    in.flats = flats.data();
-    in.objectScale = float(norm(i.worldFromObject.inverse()));
-    return in;
+    auto& form = forms_[{i.mesh.get(), i.rounding.get(), i.transmits}];
+    if (!form) {
+      form = std::make_unique<Form>();
+      form->ray = {nullptr, nullptr, &i.mesh->mesh(), nullptr, i.transmits};
+      if (i.rounding) {
+        form->ray.view = &i.rounding->view();
+        form->flats = flatMargins(*form->ray.view, i.mesh->mesh(), 0.5 * i.mesh->bounds().diagonal());
+        form->ray.flats = form->flats.data();
+      } else if (i.transmits) {
+        form->ray.closed = &i.mesh->closed();
+      }
+    }
+    return {&form->ray, &i.worldFromObject, float(norm(i.worldFromObject.inverse())),
+            float(norm(i.worldFromObject))};
   }
 
   void attachInstance(const TracedInstance& i) {
@@ -202,47 +313,44 @@ private:
     scene_.attach(geometry);
   }
 
-  Context context(const Ray& ray, const RayOrigin& from, double tnear, double tfar,
+  Context context(const Ray& ray, const PathState& from, double tnear, double tfar,
                   RTCFilterFunctionN filter) const {
-    Context c{{}, {instances_, ray, from, tnear, tfar}, {}};
-    rtcInitIntersectContext(&c.embree);
-    c.embree.filter = filter;
     const auto largest = [](const Vector3& v) {
       return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     };
     const double size = largest(Vector3(ray.origin) - centre_);
+    // Rounding of the origin and of the transforms: some units in the last place of the largest coordinate.
+    Context c{{}, {instances_, ray, from, tnear, tfar, 0x1p-21 * std::max(size, reach_)}};
+    rtcInitIntersectContext(&c.embree);
+    c.embree.filter = filter;
     c.query.originSize = float(size);
     c.query.directionSize = float(largest(ray.direction));
-    if (from.maybeInSliver) c.query.holdOpen(largestDiameter_);
-    // A path that leaves a plane starts off it by what float32 can put on the wrong side of it: the rounding
-    // of the origin and of the transforms, a few units in the last place of the largest coordinate involved.
-    // The hits are exact without that where the plane is a rounded solid's; it spares meeting the plane
-    // again.
-    if (from.instance != kNone && !from.onRounding)
-      c.offset =
-          from.normal * std::copysign(16 * 0x1p-24 * std::max(size, reach_), dot(from.normal, ray.direction));
     return c;
   }
 
-  void traverse(Context& c) const {
+  void search(Context& c) const {
+    c.query.begin();
     RTCRayHit rayHit;
-    rayHit.ray = embreeRay(c);
+    rayHit.ray = embreeRay(c.query);
     rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene_.get(), &c.embree, &rayHit);
+    c.query.finish();
   }
 
-  /// Does the ray of a path inside a rounded solid end outside of it, by another object's hit or by tfar?
-  bool endsOutside(const TraceQuery& q) const {
-    if (q.from.solid == kNone || !std::isfinite(q.best)) return false;
-    if (q.found && q.own(q.instance, q.facet)) return false;
-    const RayInstance& in = instances_[q.from.instance];
-    return !contains(*in.view, q.from.solid, in.worldFromObject->applyInverse(q.ray.at(q.best)));
+  /// Is the origin in a solid that others of its instance may continue?
+  bool inUnion(const PathState& from, const Vector3& direction) const {
+    for (const PathState::Place& p : from.places) {
+      if (!p.rounded() || !from.inside(p, direction)) continue;
+      const RayForm& form = *instances_[p.instance].form;
+      if (!form.transmits && form.view->solidCount() > 1) return true;
+    }
+    return false;
   }
 
-  RTCRay embreeRay(const Context& c) const {
-    const TraceQuery& q = c.query;
-    return embreeRay(Vector3(q.ray.origin) - centre_ + c.offset, q.ray.direction, q.tnear, q.limit);
+  RTCRay embreeRay(const TraceQuery& q) const {
+    const double start = q.traversalStart();
+    return embreeRay(Vector3(q.ray.at(start)) - centre_, q.ray.direction, 0, q.limit - start);
   }
 
   /// `origin` relative to the scene's centre.
@@ -272,63 +380,20 @@ private:
     return std::sqrt(square);
   }
   /// An upper bound of the diameter of an instance's solids in the world.
-  static double worldDiameter(const TracedInstance& i) {
+  static double worldDiameter(const RayInstance& in) {
     double largest = 0;
-    for (const SolidRecord& s : i.rounding->view().solids)
-      largest = std::max(largest, double(s.boundRadius));
-    return 2 * largest * norm(i.worldFromObject);
-  }
-
-  TraceHit roundedHit(const TraceQuery& q) const {
-    const RoundedEnd end = q.hitEnd();
-    const Normal3 n = owned_[q.instance].worldFromObject(Normal3(end.normal));
-    return {end.t,
-            q.ray.at(end.t),
-            normalize(Vector3(n)),
-            end.feature,
-            q.instance,
-            q.solid(),
-            q.triangle,
-            q.u,
-            q.v,
-            q.hitMaybeInSliver(),
-            q.hitMaybeInSolid()};
-  }
-
-  /// World, unit, outward by the winding of the file (kept under mirroring).
-  Vector3 triangleNormal(std::uint32_t instance, std::uint32_t triangle) const {
-    const TracedInstance& in = owned_[instance];
-    const TriangleMesh& mesh = in.mesh->mesh();
-    const auto& t = mesh.triangles[triangle];
-    const Point3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    return normalize(Vector3(in.worldFromObject(Normal3(cross(b - a, c - a)))));
-  }
-
-  TraceHit sharpHit(const TraceQuery& q) const {
-    const TracedInstance& in = owned_[q.instance];
-    const TriangleMesh& mesh = in.mesh->mesh();
-    const Point3 a = in.worldFromObject(mesh.positions[mesh.triangles[q.triangle][0]]);
-    const Vector3 n = triangleNormal(q.instance, q.triangle);
-    // Embree's t is a float32: put the hit on the triangle's plane where the ray is not along it.
-    const double slope = dot(n, q.ray.direction);
-    double exact = dot(n, a - q.ray.origin) / slope;
-    if (!(std::abs(exact - q.best) <= 1e-4 * std::abs(q.best)) || !(exact > 0)) exact = q.best;
-    return {exact,
-            q.ray.at(exact),
-            n,
-            Feature::Flat,
-            q.instance,
-            kNone,
-            q.triangle,
-            q.u,
-            q.v,
-            q.hitMaybeInSliver(),
-            q.hitMaybeInSolid()};
+    if (in.form->view)
+      for (const SolidRecord& s : in.form->view->solids)
+        largest = std::max(largest, double(s.boundRadius));
+    if (in.form->closed)
+      for (const double radius : in.form->closed->radius)
+        largest = std::max(largest, radius);
+    return 2 * largest * double(in.worldScale);
   }
 
   std::vector<TracedInstance> owned_;
-  std::vector<RayInstance> instances_; ///< point into owned_ and flats_
-  std::map<std::pair<const TracedMesh*, const Rounding*>, std::vector<TriangleFlat>> flats_;
+  std::vector<RayInstance> instances_; ///< point into owned_ and forms_
+  std::map<std::tuple<const TracedMesh*, const Rounding*, bool>, std::unique_ptr<Form>> forms_;
   Bounds3 bounds_;
   Vector3 centre_;
   double reach_ = 0, largestDiameter_ = 0;

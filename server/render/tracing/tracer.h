@@ -7,12 +7,14 @@
 #include "common/sidecar.h"
 #include "common/transform.h"
 #include "preprocess/mesh.h"
+#include "server/render/tracing/path_state.h"
 
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace chamfer {
@@ -24,6 +26,9 @@ std::shared_ptr<const TracedMesh> makeTracedMesh(std::shared_ptr<const TriangleM
                                                  const std::function<bool()>& cancelled = {});
 /// Of the hierarchy, without the mesh.
 std::size_t memoryBytes(const TracedMesh& mesh);
+/// The instruction set that rays are traced with, as Embree names it: the same on every machine, so that the
+/// bits are.
+std::string_view rayInstructionSet();
 
 /// A triangle that a probe met; the mesh's frame.
 struct MeshHit {
@@ -39,25 +44,10 @@ struct TracedInstance {
   std::shared_ptr<const TracedMesh> mesh;
   std::shared_ptr<const Rounding> rounding;
   Transform worldFromObject;
-};
-
-/// Where a path is, so that a surface is never hit again from where the path leaves it. For a convex rounded
-/// solid the answer is exact without any offset: its id and the side on which the path goes on.
-struct RayOrigin {
-  std::uint32_t instance = kNone; ///< kNone: a free point (camera, a batch ray)
-  std::uint32_t solid = kNone;    ///< kNone: a sharp triangle
-  std::uint32_t triangle = kNone;
-  bool inside = false; ///< the path goes on inside the solid (transmission): only its far end can be hit
-  /// The origin may lie in the sliver of another solid, behind that solid's mesh and before its rounded
-  /// surface. False spares the search for it. A camera's rays may say false of both this and the next where
-  /// Tracer::insideSolid says so of the eye.
-  bool maybeInSliver = true;
-  /// The origin may lie inside the mesh of a rounded solid, other than the one the path is at. False spares
-  /// looking at back-facing triangles.
-  bool maybeInSolid = true;
-  /// The path leaves a rounding, so it begins in that solid's own sliver.
-  bool onRounding = false;
-  Vector3 normal{}; ///< of the surface there: world, unit, outward
+  /// Light may go through some of its triangles. Then sharp closed components count as solids, and what
+  /// coincides with them is found. Of an opaque one, solids that sink into each other are one room to a path
+  /// inside them: walls within are not there (but whatever stands wholly inside one is).
+  bool transmits = false;
 };
 
 struct TraceHit {
@@ -66,37 +56,47 @@ struct TraceHit {
   Vector3 normal;         ///< world, unit, outward: of the rounded surface (of the triangle where sharp)
   Feature feature;        ///< Flat where sharp
   std::uint32_t instance; ///< index in the tracer's instances
-  std::uint32_t solid;    ///< in the instance's mesh; kNone where sharp
+  std::uint32_t solid;    ///< as PathState::Place's
   std::uint32_t triangle; ///< mesh triangle that was met
   float u, v;             ///< barycentric coordinates of the mesh's hit on it
-  /// The hit may lie in the sliver of another solid (only where solids interpenetrate).
-  bool maybeInSliver = false;
-  bool maybeInSolid = false; ///< the hit may lie inside the mesh of another solid
   bool rounded() const { return feature != Feature::Flat; }
-  /// The origin for a ray that leaves this hit along `direction`.
-  RayOrigin leave(const Vector3& direction) const {
-    const bool inside = dot(direction, normal) < 0;
-    return {instance, solid, triangle, inside, maybeInSliver, maybeInSolid || inside, rounded(), normal};
-  }
+};
+
+/// What a path needs of the place where it arrives, to go on from there.
+struct Arrival {
+  PathState state; ///< for rays from the hit in any direction
+  /// Other surfaces that coincide with the hit's, where light goes through one of them or the path is inside
+  /// a solid: solids that touch, with nothing between them.
+  boost::container::small_vector<TraceHit, 1> touching;
 };
 
 class Tracer {
 public:
   virtual ~Tracer() = default;
-  /// First hit with t in (tnear, tfar), or nothing.
-  virtual std::optional<TraceHit> intersect(const Ray& ray, const RayOrigin& from = {}, double tnear = 0,
-                                            double tfar = INFINITY) const = 0;
+  /// First hit with t in (tnear, tfar), or nothing. `from`: of the point at tnear. `arrival`, if not null, is
+  /// replaced where something is hit; it may be the one that holds `from`.
+  virtual std::optional<TraceHit> intersect(const Ray& ray, const PathState& from = {}, double tnear = 0,
+                                            double tfar = INFINITY, Arrival* arrival = nullptr) const = 0;
   /// Is anything hit with t in (tnear, tfar)? `blocker`: where not null, set to the feature of what was
   /// found, which need not be the nearest.
-  virtual bool occluded(const Ray& ray, const RayOrigin& from = {}, double tnear = 0, double tfar = INFINITY,
+  virtual bool occluded(const Ray& ray, const PathState& from = {}, double tnear = 0, double tfar = INFINITY,
                         Feature* blocker = nullptr) const = 0;
-  /// Is the point inside the unmodified mesh of a rounded solid (in its rounded solid or its sliver)?
-  virtual bool insideSolid(const Point3& point) const = 0;
+  /// The solids that a free point is in: of rounded ones all, of sharp ones those that light goes through.
+  virtual PathState stateAt(const Point3& point) const = 0;
+  /// Has every point within `radius` of `point` the same state as it, surely?
+  virtual bool sameStateAround(const Point3& point, double radius) const = 0;
+  /// Half the diagonal of a solid in the world, or an upper bound of it.
+  virtual double worldRadius(std::uint32_t instance, std::uint32_t solid) const = 0;
   virtual const Bounds3& bounds() const = 0;   ///< world, of the unmodified meshes
   virtual std::size_t memoryBytes() const = 0; ///< Embree structures and roundings, each counted once
 };
 
-/// Builds the top level over the instances (mesh hierarchies are shared, not rebuilt).
+/// The largest coordinate that a scene may have, in the world and in every mesh's frame: Embree takes none
+/// much larger.
+inline constexpr double kLargestCoordinate = 1e15;
+
+/// Builds the top level over the instances (mesh hierarchies are shared, not rebuilt). Throws
+/// Error(OutOfRange) that names an instance which reaches beyond kLargestCoordinate.
 std::shared_ptr<const Tracer> makeTracer(std::vector<TracedInstance> instances);
 
 } // namespace chamfer

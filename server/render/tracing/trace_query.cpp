@@ -1,0 +1,305 @@
+#include "server/render/tracing/trace_query.h"
+
+namespace chamfer {
+namespace {
+
+/// Surfaces nearer than this share of their solids' size touch: some units in the last place of a float32,
+/// which planes are stored in.
+constexpr double kTouch = 0x1p-21;
+/// Surfaces that the ray meets at a smaller cosine are compared as if it were this.
+constexpr double kLeastCosine = 1e-3;
+
+double largest(const Vector3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+} // namespace
+
+std::uint32_t TraceQuery::solidOf(const Found& f) const {
+  return f.facet == kNone ? f.solid : (*instances)[f.instance].form->view->facets[f.facet].solid;
+}
+
+double TraceQuery::solidRadius(const Found& f) const {
+  const RayInstance& in = (*instances)[f.instance];
+  const std::uint32_t solid = solidOf(f);
+  if (solid == kNone) return 0;
+  return double(in.worldScale) * (f.facet == kNone ? in.form->closed->radius[solid]
+                                                   : double(in.form->view->solids[solid].boundRadius));
+}
+
+void TraceQuery::setEnd(Found& f, const RoundedEnd& end) const {
+  f.t = end.t;
+  f.feature = end.feature;
+  // World, and of unit length only once it is refined.
+  const Normal3 n = (*(*instances)[f.instance].worldFromObject)(Normal3(end.normal));
+  f.normal = Vector3(n);
+  f.exact = true;
+}
+
+/// Puts the place on the plane that was met, in double.
+void TraceQuery::refine(Found& f) const {
+  if (f.exact) return;
+  const RayInstance& in = (*instances)[f.instance];
+  f.exact = true;
+  if (f.facet == kNone) {
+    const auto& t = in.form->mesh->triangles[f.triangle];
+    const auto& p = in.form->mesh->positions;
+    const Vector3 n = Vector3((*in.worldFromObject)(Normal3(cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]))));
+    f.normal = normalize(n);
+    // Where the ray is along the triangle, Embree's place is as good.
+    const double exact =
+        dot(f.normal, (*in.worldFromObject)(p[t[0]]) - ray.origin) / dot(f.normal, ray.direction);
+    if (std::abs(exact - f.t) <= 1e-4 * std::abs(f.t) && exact > tnear) f.t = exact;
+    return;
+  }
+  const FacetRecord& record = in.form->view->facets[f.facet];
+  const SolidRecord& s = in.form->view->solids[record.solid];
+  const Ray object = in.worldFromObject->applyInverse(ray);
+  const Vector3 n(record.normal), o = object.origin - Point3(s.origin[0], s.origin[1], s.origin[2]);
+  f.t = (double(record.offset) - dot(n, o)) / dot(n, object.direction);
+  f.normal = Vector3((*in.worldFromObject)(Normal3(n)));
+}
+
+void TraceQuery::lookAround() {
+  for (const PathState::Place& p : from->places) {
+    if (p.solid == kNone || !from->inside(p, ray.direction)) continue;
+    insideAny_ = true;
+    const RayForm& form = *(*instances)[p.instance].form;
+    amongOthers_ = amongOthers_ || form.transmits || (form.view && form.view->solidCount() > 1);
+  }
+}
+
+bool TraceQuery::meetsSharpClosely(const RayInstance& in, const MetTriangle& met,
+                                   const PathState::Place* place, Found& found) {
+  if (place && place->at == PathState::At::Surface && place->triangle == met.triangle) return false;
+  const auto& t = in.form->mesh->triangles[met.triangle];
+  const auto& p = in.form->mesh->positions;
+  const Point3& a = p[t[0]];
+  const Vector3 n = cross(p[t[1]] - a, p[t[2]] - a);
+  const Ray& object = rayFor(met.instance);
+  const double slope = dot(n, object.direction);
+  if (in.form->closed) {
+    const std::uint32_t entry = in.form->closed->ofTriangle[met.triangle];
+    if (entry != kNone) {
+      found.solid = entry & ~ClosedSolids::kTurned;
+      const bool front = (slope < 0) == ((entry & ClosedSolids::kTurned) == 0);
+      const bool inside = place && from->inside(*place, ray.direction);
+      if (inside == front) return false; // only the far side of what the path is in, and near sides else
+    }
+  }
+  if (!isNear(found.t)) return true;
+  const Point3 start = object.at(tnear);
+  const double height = dot(n, start - a), size = length(n);
+  // On the triangle's plane, for all that double can tell: it is part of the surface that the path leaves.
+  const double noise = 0x1p-44 * (largest(Vector3(start)) + largest(Vector3(a)) +
+                                  double(in.objectScale) * largest(Vector3(ray.at(tnear))));
+  if (std::abs(height) <= noise * size) return false;
+  if (!(height * slope < 0)) return false; // behind
+  found.t = tnear - height / slope;
+  return found.t > tnear;
+}
+
+bool TraceQuery::beginsOnSurface(Found& found) {
+  const RayInstance& in = (*instances)[found.instance];
+  const double reach = kTouch * solidRadius(found) / length(ray.direction);
+  if (!(found.t >= tnear - std::max(reach / kLeastCosine, shift_))) return false;
+  const auto both = intervalFrom(*in.form->view, found.facet, rayFor(found.instance));
+  if (!both || !(both->out.t > tnear + reach)) return false;
+  found.t = tnear;
+  return true;
+}
+
+void TraceQuery::notePassage(const RayInstance& in, const MetTriangle& met, const Found& found) {
+  if (!leaving(met.instance, found.facet) && in.form->view)
+    passages_.push_back({met.instance, met.triangle, found.facet, found.t});
+}
+
+/// The normal-wise distance between surfaces at which they touch, along the ray.
+double TraceQuery::touchReach(const Found& f) const {
+  const double cosine = std::abs(dot(f.normal, ray.direction)) / length(f.normal);
+  return kTouch * solidRadius(f) / std::max(cosine, kLeastCosine * length(ray.direction));
+}
+
+bool TraceQuery::coincide(const Found& a, const Found& b) const {
+  return std::abs(a.t - b.t) <= std::max(touchReach(a), touchReach(b));
+}
+
+bool TraceQuery::acceptWithTouching(Found& f) {
+  refine(f);
+  if (!(f.t < tfar)) return false;
+  if (f.t < tnear) return false;
+  bool nearer = true;
+  if (found_) {
+    refine(best);
+    nearer = f.t < best.t;
+    if (solidOf(f) == solidOf(best) && f.instance == best.instance && solidOf(f) != kNone) {
+      if (!nearer) return false; // another triangle of the same end
+    } else if (coincide(f, best)) {
+      touching_.push_back(nearer ? best : f);
+    }
+  }
+  if (nearer) {
+    best = f;
+    found_ = true;
+    coincidenceMatters_ = amongOthers_ || (*instances)[f.instance].form->transmits;
+    const double before = limit;
+    limit = std::min(limit, best.t);
+    if (coincidenceMatters_) {
+      const double cosine = std::max(std::abs(dot(f.normal, ray.direction)) / length(f.normal),
+                                     kLeastCosine * length(ray.direction));
+      const double doubt = 0x1p-20 * (double(originSize) + std::abs(best.t - tnear) * double(directionSize));
+      // On by what touches may be off, and Embree with it.
+      limit = std::min(before, best.t + touchReach(best) + doubt / cosine);
+    }
+  }
+  return nearer;
+}
+
+void TraceQuery::beginInSlivers() {
+  for (const PathState::Place& p : from->places) {
+    if (p.at != PathState::At::Sliver) continue;
+    const RoundingView& view = *(*instances)[p.instance].form->view;
+    const auto both = intervalFrom(view, p.firstFacet, rayFor(p.instance));
+    if (!both) continue;
+    Found f;
+    f.instance = p.instance;
+    f.triangle = p.triangle;
+    f.facet = p.firstFacet;
+    setEnd(f, both->in);
+    if (!(f.t > tnear)) { // on the surface but for rounding, or past it
+      const double reach = kTouch * solidRadius(f) / length(ray.direction);
+      if (!(f.t >= tnear - reach / kLeastCosine && both->out.t > tnear + reach)) continue;
+      f.t = tnear;
+    }
+    accept(f);
+  }
+}
+
+bool TraceQuery::outsideAt(const PathState::Place& p, double t) {
+  const RayInstance& in = (*instances)[p.instance];
+  return !contains(*in.form->view, p.solid, rayFor(p.instance).at(t));
+}
+
+void TraceQuery::finish() {
+  if (!insideAny_) return;
+  for (const PathState::Place& p : from->places) {
+    if (!p.rounded() || !from->inside(p, ray.direction)) continue;
+    if (found_ && best.instance == p.instance && best.facet >= p.firstFacet && best.facet < p.endFacet)
+      continue;
+    // What was met may lie behind that side, in the sliver.
+    const double end = found_ ? best.t : tfar;
+    if (std::isfinite(end) && !outsideAt(p, end)) continue;
+    const auto both = intervalFrom(*(*instances)[p.instance].form->view, p.firstFacet, rayFor(p.instance));
+    if (!both) continue;
+    Found f;
+    f.instance = p.instance;
+    f.triangle = p.triangle;
+    f.facet = p.firstFacet;
+    setEnd(f, both->out);
+    f.t = std::max(f.t, tnear);
+    accept(f);
+  }
+}
+
+bool TraceQuery::isBlockedByFarSide() {
+  if (!insideAny_) return false;
+  for (const PathState::Place& p : from->places)
+    if (p.rounded() && from->inside(p, ray.direction) && (std::isinf(tfar) || outsideAt(p, tfar)))
+      return true;
+  return false;
+}
+
+TraceHit TraceQuery::hitOf(const Found& found) const {
+  Found f = found;
+  refine(f);
+  return {f.t, ray.at(f.t), normalize(f.normal), f.feature, f.instance, solidOf(f), f.triangle, f.u, f.v};
+}
+
+/// Is the wall inside another solid of its instance that the path is in, so that it bounds nothing?
+bool TraceQuery::buries(std::uint32_t instance, std::uint32_t solid, const Found& wall) const {
+  const RayForm& form = *(*instances)[instance].form;
+  return instance == wall.instance && solid != solidOf(wall) && form.view && !form.transmits &&
+         !holdsSolid(*form.view, solid, solidOf(wall));
+}
+
+bool TraceQuery::isBuried() {
+  if (!insideAny_ || !found_) return false;
+  const auto buried = [&](const Found& wall) {
+    if (wall.facet == kNone) return false;
+    for (const PathState::Place& p : from->places)
+      if (p.rounded() && from->inside(p, ray.direction) && buries(p.instance, p.solid, wall)) return true;
+    const auto entersBeside = [&](const Found& other) {
+      return &other != &wall && other.facet != kNone && dot(other.normal, ray.direction) < 0 &&
+             buries(other.instance, solidOf(other), wall);
+    };
+    if (!(dot(wall.normal, ray.direction) > 0)) return false;
+    return (&wall != &best && entersBeside(best)) ||
+           std::any_of(touching_.begin(), touching_.end(), entersBeside);
+  };
+  refine(best);
+  if (!buried(best)) return false;
+  for (Found& t : touching_)
+    if (coincide(t, best) && !buried(t)) {
+      std::swap(t, best);
+      return false;
+    }
+  return true;
+}
+
+void TraceQuery::arrive(Arrival& arrival) const {
+  const TraceHit h = hit();
+  PathState next;
+  next.normal = h.normal;
+  arrival.touching.clear();
+  const auto put = [&](const Found& f, const Vector3& normal, PathState::At at) {
+    PathState::Place p{f.instance,
+                       solidOf(f),
+                       f.triangle,
+                       kNone,
+                       kNone,
+                       at,
+                       dot(normal, h.normal) >= 0,
+                       at == PathState::At::Surface && f.feature == Feature::Flat};
+    if (f.facet != kNone) {
+      const auto& solids = (*instances)[f.instance].form->view->solids;
+      p.firstFacet = solids[p.solid].firstFacet;
+      p.endFacet = solids[p.solid + 1].firstFacet;
+    }
+    next.places.push_back(p);
+  };
+  const auto known = [&](std::uint32_t instance, std::uint32_t solid) {
+    for (const PathState::Place& p : next.places)
+      if (p.instance == instance && p.solid == solid) return true;
+    return false;
+  };
+  put(best, h.normal, PathState::At::Surface);
+  for (const Found& t : touching_) {
+    Found exact = t;
+    refine(exact);
+    if (!coincide(exact, best) || (solidOf(exact) != kNone && known(exact.instance, solidOf(exact))))
+      continue;
+    arrival.touching.push_back(hitOf(exact));
+    put(exact, arrival.touching.back().normal, PathState::At::Surface);
+  }
+  const auto maybeIn = [&](std::uint32_t instance, std::uint32_t solid) {
+    const RayInstance& in = (*instances)[instance];
+    return maybeInUnroundedSolid(*in.form->view, solid, in.worldFromObject->applyInverse(h.position));
+  };
+  for (const PathState::Place& p : from->places) {
+    if (p.solid == kNone || known(p.instance, p.solid)) continue;
+    const bool inside = from->inside(p, ray.direction);
+    if (!inside && (!p.rounded() || p.leavesFlat || !maybeIn(p.instance, p.solid))) continue;
+    next.places.push_back(p);
+    next.places.back().at = inside ? PathState::At::Inside : PathState::At::Sliver;
+  }
+  for (const Passage& passed : passages_) {
+    Found f;
+    f.instance = passed.instance;
+    f.triangle = passed.triangle;
+    f.facet = passed.facet;
+    const std::uint32_t solid = solidOf(f);
+    if (passed.t < h.t && !known(f.instance, solid) && maybeIn(f.instance, solid))
+      put(f, h.normal, PathState::At::Sliver);
+  }
+  arrival.state = std::move(next);
+}
+
+} // namespace chamfer
