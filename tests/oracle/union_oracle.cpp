@@ -16,12 +16,38 @@ Ray UnionOracle::toObject(const Part& part, const Ray& ray) const {
           (part.objectFromWorld * ray.direction.cast<Real>()).cast<double>(), ray.tnear};
 }
 
+Hit UnionOracle::placed(std::size_t part, const End& end) const {
+  return {end.t, (parts_[part].objectFromWorld.transpose() * end.normal).normalized(), end.feature, part};
+}
+
+/// Where a ray from within leaves the body; nothing where it does not begin within.
+std::optional<Hit> UnionOracle::lastExit(const Ray& ray) const {
+  std::optional<Hit> exit;
+  Real reached = ray.tnear;
+  for (bool further = true; further;) {
+    further = false;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const Ray local = toObject(parts_[i], ray);
+      const auto inside = parts_[i].solid->interval(local);
+      const Real touch =
+          exit ? touch_ * parts_[i].solid->diagonal() / local.direction.cast<Real>().norm() : 0;
+      if (!inside || inside->in.t > reached + touch || inside->out.t <= reached) continue;
+      reached = inside->out.t;
+      exit = placed(i, inside->out);
+      further = true;
+    }
+  }
+  return exit;
+}
+
 std::optional<Hit> UnionOracle::firstHit(const Ray& ray) const {
+  if (touch_ >= 0)
+    if (const auto exit = lastExit(ray)) return exit;
   std::optional<Hit> best;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const auto end = parts_[i].solid->firstEndBeyond(toObject(parts_[i], ray));
     if (!end || (best && best->t <= end->t)) continue;
-    best = Hit{end->t, (parts_[i].objectFromWorld.transpose() * end->normal).normalized(), end->feature, i};
+    best = placed(i, *end);
   }
   return best;
 }
@@ -46,8 +72,10 @@ Real UnionOracle::ambiguity(const Ray& ray) const {
     const std::size_t others = ends.size();
     for (const Real t : {inside->in.t, inside->out.t}) {
       least = std::min(least, std::abs(t - ray.tnear) * share);
-      for (std::size_t k = 0; k < others; ++k)
-        least = std::min(least, std::abs(t - ends[k].first) * std::min(share, ends[k].second));
+      for (std::size_t k = 0; k < others; ++k) {
+        const Real apart = std::abs(t - ends[k].first) * std::min(share, ends[k].second);
+        if (apart > touch_) least = std::min(least, apart); // what coincides in one body leaves no doubt
+      }
       ends.emplace_back(t, share);
     }
   }

@@ -1,5 +1,5 @@
 // Several rounded solids, each placed by an affine map: the hit is the first end beyond tnear of any solid's
-// interval.
+// interval. As one body, a ray from within hits where it first leaves all of them.
 #pragma once
 
 #include "tests/oracle/rounded_oracle.h"
@@ -31,6 +31,10 @@ public:
   /// transpose.
   void add(std::shared_ptr<const RoundedOracle> solid, const Affine& worldFromObject = {});
 
+  /// Ends nearer to each other than `touch` (share of a diagonal) coincide: there one part ends and the next
+  /// begins.
+  void fuse(Real touch) { touch_ = touch; }
+
   std::size_t size() const { return parts_.size(); }
   const RoundedOracle& part(std::size_t i) const { return *parts_[i].solid; }
 
@@ -47,8 +51,11 @@ private:
     Vec3 offset;                               ///< objectFromWorld's translation
   };
   Ray toObject(const Part& part, const Ray& ray) const;
+  std::optional<Hit> lastExit(const Ray& ray) const;
+  Hit placed(std::size_t part, const End& end) const;
 
   std::vector<Part> parts_;
+  Real touch_ = -1; ///< below 0: the parts are no one body
 };
 
 } // namespace chamfer::oracle

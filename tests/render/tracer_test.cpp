@@ -199,6 +199,71 @@ TEST(Tracer, OneMeshOfManySolidsIsTheirUnion) {
   EXPECT_TRUE(report.agrees()) << report.complaint();
 }
 
+/// Rays from inside a mesh of several solids, of one radius, in all directions.
+oracle::AgreementReport checkFromWithin(const std::vector<ConvexSolid>& solids, double radius) {
+  oracle::UnionOracle truth;
+  for (const auto& s : solids)
+    truth.add(std::make_shared<oracle::RoundedOracle>(s, radius));
+  truth.fuse(1e-9);
+  auto mesh = std::make_shared<TriangleMesh>(meshOf(solids));
+  PreprocessOptions options;
+  options.radius.value = radius;
+  const auto tracer = makeTracer({{makeTracedMesh(mesh), preprocess(*mesh, options).rounding, {}}});
+  oracle::Random random(17);
+  std::vector<oracle::Ray> rays;
+  for (std::size_t i = 0; i < solids.size(); ++i)
+    for (std::size_t k = 0; k < oracle::rayBudget(4000); ++k) {
+      // Points of the core, some at its border and beyond.
+      const auto& core = truth.part(i).core();
+      Eigen::Vector3d p = truth.part(i).centre();
+      double left = random.uniform(0, 1.1);
+      for (const auto& v : core.vertices) {
+        const double share = random.uniform(0, left);
+        p += share * v.template cast<double>();
+        left -= share;
+      }
+      rays.push_back({p, {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}, 0});
+    }
+  const auto report = oracle::compare(
+      [&](const oracle::Ray& ray) -> std::optional<oracle::Answer> {
+        const PathState from = tracer->stateAt(toRay(ray).origin);
+        const auto hit = tracer->intersect(toRay(ray), from);
+        if (hit.has_value() != tracer->occluded(toRay(ray), from))
+          return oracle::Answer{NAN, {0, 0, 0}, oracle::Feature::Flat};
+        return Placed::answerOf(hit);
+      },
+      truth, rays);
+  std::cout << report.summary() << "\n";
+  return report;
+}
+
+TEST(Tracer, AUnionSeenFromWithinHasNoWallsWithin) {
+  std::vector<ConvexSolid> touching, sunk;
+  for (int i = 0; i < 8; ++i)
+    touching.push_back(oracle::transformed(oracle::cube(), moved({}, i & 1, (i >> 1) & 1, i >> 2)));
+  sunk.push_back(oracle::box(3, 1, 1)); // a cross of rooms, and one askew
+  sunk.push_back(oracle::box(1, 3, 0.9));
+  sunk.push_back(oracle::transformed(oracle::prism(7, 0.9), moved(oracle::randomRotation(4), 0.8, 0.3, 0.2)));
+  for (const auto& solids : {touching, sunk}) {
+    const auto report = checkFromWithin(solids, 0.07);
+    EXPECT_TRUE(report.agrees()) << report.complaint();
+    EXPECT_LT(report.excused * 50, report.rays);
+  }
+}
+
+TEST(Tracer, WhatStandsInARoomOfItsOwnMeshIsSeen) {
+  const std::vector<ConvexSolid> solids{oracle::box(4, 4, 4),
+                                        oracle::transformed(oracle::cube(), moved({}, 0, 0, -1.5))};
+  auto mesh = std::make_shared<TriangleMesh>(meshOf(solids));
+  PreprocessOptions options;
+  options.radius.value = 0.1;
+  const auto tracer = makeTracer({{makeTracedMesh(mesh), preprocess(*mesh, options).rounding, {}}});
+  const Ray down{{0.1, 0.2, 1}, {0, 0, -1}};
+  const auto hit = tracer->intersect(down, tracer->stateAt(down.origin));
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->t, 2, 1e-6) << "the cube's top, not the floor below it";
+}
+
 TEST(Tracer, PathsLeaveAndCrossASolidWithoutMeetingWhereTheyStart) {
   const ConvexSolid solid = oracle::hullOnSphere(24, 5);
   const double radius = 0.2;
