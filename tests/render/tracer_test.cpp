@@ -75,7 +75,7 @@ struct Placed {
     return report;
   }
 
-  /// Paths that are scattered outward at every hit, each ray with the origin that the last hit gives it.
+  /// Paths that stay on their side of every surface, each ray with the state that the last hit gives it.
   oracle::AgreementReport checkPaths(unsigned bounces, std::uint64_t seed) const {
     const auto tracer = makeTracer(instances);
     std::mt19937_64 random(seed);
@@ -97,9 +97,9 @@ struct Placed {
           answers.push_back(answerOf(hit));
         }
         if (!hit) break;
-        ray = {
-            hit->position,
-            normalize(hit->normal + normalize(Vector3(gauss(random), gauss(random), gauss(random))) * 0.99)};
+        const Vector3 scattered = normalize(Vector3(gauss(random), gauss(random), gauss(random))) * 0.99;
+        const bool within = dot(ray.direction, hit->normal) > 0;
+        ray = {hit->position, normalize((within ? -hit->normal : hit->normal) + scattered)};
       }
     }
     const oracle::Subject subject = [&](const oracle::Ray& ray) {

@@ -134,7 +134,7 @@ Color PathTracer::radiance(Ray ray, const PathState& from, const Sampler& sample
     const SurfacePlace& place = crossing.place;
     const Material& material = *place.material;
     count->rounded += place.rounded();
-    throughput *= transmittance(crossing.before, crossing.hit->t);
+    if (crossing.before) throughput *= transmittance(crossing.before, crossing.hit->t);
     if (crossing.nothing) {
       if (++nothings > kMostNothings) return sum;
       ray.origin = crossing.hit->position;

@@ -28,9 +28,7 @@ double TraceQuery::solidRadius(const Found& f) const {
 void TraceQuery::setEnd(Found& f, const RoundedEnd& end) const {
   f.t = end.t;
   f.feature = end.feature;
-  // World, and of unit length only once it is refined.
-  const Normal3 n = (*(*instances)[f.instance].worldFromObject)(Normal3(end.normal));
-  f.normal = Vector3(n);
+  f.normal = normalize(Vector3((*(*instances)[f.instance].worldFromObject)(Normal3(end.normal))));
   f.exact = true;
 }
 
@@ -55,15 +53,21 @@ void TraceQuery::refine(Found& f) const {
   const Ray object = in.worldFromObject->applyInverse(ray);
   const Vector3 n(record.normal), o = object.origin - Point3(s.origin[0], s.origin[1], s.origin[2]);
   f.t = (double(record.offset) - dot(n, o)) / dot(n, object.direction);
-  f.normal = Vector3((*in.worldFromObject)(Normal3(n)));
+  f.normal = normalize(Vector3((*in.worldFromObject)(Normal3(n))));
 }
 
-void TraceQuery::lookAround() {
+void TraceQuery::lookAround(double doubt) {
+  bool mayTouch = from->places.size() > 1;
   for (const PathState::Place& p : from->places) {
-    if (p.solid == kNone || !from->inside(p, ray.direction)) continue;
-    insideAny_ = true;
     const RayForm& form = *(*instances)[p.instance].form;
+    mayTouch = mayTouch || form.transmits;
+    if (p.solid == kNone || !from->inside(p, ray.direction)) continue;
+    mayTouch = insideAny_ = true;
     amongOthers_ = amongOthers_ || form.transmits || (form.view && form.view->solidCount() > 1);
+  }
+  if (mayTouch) {
+    start = tnear - doubt;
+    near_ = tnear + 2 * doubt;
   }
 }
 
@@ -86,10 +90,10 @@ bool TraceQuery::meetsSharpClosely(const RayInstance& in, const MetTriangle& met
     }
   }
   if (!isNear(found.t)) return true;
-  const Point3 start = object.at(tnear);
-  const double height = dot(n, start - a), size = length(n);
+  const Point3 origin = object.at(tnear);
+  const double height = dot(n, origin - a), size = length(n);
   // On the triangle's plane, for all that double can tell: it is part of the surface that the path leaves.
-  const double noise = 0x1p-44 * (largest(Vector3(start)) + largest(Vector3(a)) +
+  const double noise = 0x1p-44 * (largest(Vector3(origin)) + largest(Vector3(a)) +
                                   double(in.objectScale) * largest(Vector3(ray.at(tnear))));
   if (std::abs(height) <= noise * size) return false;
   if (!(height * slope < 0)) return false; // behind
@@ -100,21 +104,16 @@ bool TraceQuery::meetsSharpClosely(const RayInstance& in, const MetTriangle& met
 bool TraceQuery::beginsOnSurface(Found& found) {
   const RayInstance& in = (*instances)[found.instance];
   const double reach = kTouch * solidRadius(found) / length(ray.direction);
-  if (!(found.t >= tnear - std::max(reach / kLeastCosine, shift_))) return false;
+  if (!(found.t >= tnear - std::max(reach / kLeastCosine, near_ - tnear))) return false;
   const auto both = intervalFrom(*in.form->view, found.facet, rayFor(found.instance));
   if (!both || !(both->out.t > tnear + reach)) return false;
   found.t = tnear;
   return true;
 }
 
-void TraceQuery::notePassage(const RayInstance& in, const MetTriangle& met, const Found& found) {
-  if (!leaving(met.instance, found.facet) && in.form->view)
-    passages_.push_back({met.instance, met.triangle, found.facet, found.t});
-}
-
 /// The normal-wise distance between surfaces at which they touch, along the ray.
 double TraceQuery::touchReach(const Found& f) const {
-  const double cosine = std::abs(dot(f.normal, ray.direction)) / length(f.normal);
+  const double cosine = std::abs(dot(f.normal, ray.direction));
   return kTouch * solidRadius(f) / std::max(cosine, kLeastCosine * length(ray.direction));
 }
 
@@ -134,6 +133,9 @@ bool TraceQuery::acceptWithTouching(Found& f) {
       if (!nearer) return false; // another triangle of the same end
     } else if (coincide(f, best)) {
       touching_.push_back(nearer ? best : f);
+    } else if (const Found& behind = nearer ? best : f;
+               behind.facet != kNone && dot(behind.normal, ray.direction) < 0) {
+      passages_.push_back({behind.instance, behind.triangle, behind.facet, behind.t, true});
     }
   }
   if (nearer) {
@@ -143,8 +145,8 @@ bool TraceQuery::acceptWithTouching(Found& f) {
     const double before = limit;
     limit = std::min(limit, best.t);
     if (coincidenceMatters_) {
-      const double cosine = std::max(std::abs(dot(f.normal, ray.direction)) / length(f.normal),
-                                     kLeastCosine * length(ray.direction));
+      const double cosine =
+          std::max(std::abs(dot(f.normal, ray.direction)), kLeastCosine * length(ray.direction));
       const double doubt = 0x1p-20 * (double(originSize) + std::abs(best.t - tnear) * double(directionSize));
       // On by what touches may be off, and Embree with it.
       limit = std::min(before, best.t + touchReach(best) + doubt / cosine);
@@ -178,8 +180,7 @@ bool TraceQuery::outsideAt(const PathState::Place& p, double t) {
   return !contains(*in.form->view, p.solid, rayFor(p.instance).at(t));
 }
 
-void TraceQuery::finish() {
-  if (!insideAny_) return;
+void TraceQuery::findFarSides() {
   for (const PathState::Place& p : from->places) {
     if (!p.rounded() || !from->inside(p, ray.direction)) continue;
     if (found_ && best.instance == p.instance && best.facet >= p.firstFacet && best.facet < p.endFacet)
@@ -188,7 +189,10 @@ void TraceQuery::finish() {
     const double end = found_ ? best.t : tfar;
     if (std::isfinite(end) && !outsideAt(p, end)) continue;
     const auto both = intervalFrom(*(*instances)[p.instance].form->view, p.firstFacet, rayFor(p.instance));
-    if (!both) continue;
+    if (!both) { // along the surface: the origin is in it only by rounding
+      grazed_.push_back(&p);
+      continue;
+    }
     Found f;
     f.instance = p.instance;
     f.triangle = p.triangle;
@@ -199,18 +203,15 @@ void TraceQuery::finish() {
   }
 }
 
-bool TraceQuery::isBlockedByFarSide() {
-  if (!insideAny_) return false;
+bool TraceQuery::farSideBlocks() {
   for (const PathState::Place& p : from->places)
     if (p.rounded() && from->inside(p, ray.direction) && (std::isinf(tfar) || outsideAt(p, tfar)))
       return true;
   return false;
 }
 
-TraceHit TraceQuery::hitOf(const Found& found) const {
-  Found f = found;
-  refine(f);
-  return {f.t, ray.at(f.t), normalize(f.normal), f.feature, f.instance, solidOf(f), f.triangle, f.u, f.v};
+TraceHit TraceQuery::hitOf(const Found& f) const {
+  return {f.t, ray.at(f.t), f.normal, f.feature, f.instance, solidOf(f), f.triangle, f.u, f.v};
 }
 
 /// Is the wall inside another solid of its instance that the path is in, so that it bounds nothing?
@@ -220,8 +221,7 @@ bool TraceQuery::buries(std::uint32_t instance, std::uint32_t solid, const Found
          !holdsSolid(*form.view, solid, solidOf(wall));
 }
 
-bool TraceQuery::isBuried() {
-  if (!insideAny_ || !found_) return false;
+bool TraceQuery::isWallWithin() {
   const auto buried = [&](const Found& wall) {
     if (wall.facet == kNone) return false;
     for (const PathState::Place& p : from->places)
@@ -244,62 +244,58 @@ bool TraceQuery::isBuried() {
   return true;
 }
 
-void TraceQuery::arrive(Arrival& arrival) const {
-  const TraceHit h = hit();
-  PathState next;
-  next.normal = h.normal;
-  arrival.touching.clear();
-  const auto put = [&](const Found& f, const Vector3& normal, PathState::At at) {
-    PathState::Place p{f.instance,
-                       solidOf(f),
-                       f.triangle,
-                       kNone,
-                       kNone,
-                       at,
-                       dot(normal, h.normal) >= 0,
-                       at == PathState::At::Surface && f.feature == Feature::Flat};
-    if (f.facet != kNone) {
-      const auto& solids = (*instances)[f.instance].form->view->solids;
-      p.firstFacet = solids[p.solid].firstFacet;
-      p.endFacet = solids[p.solid + 1].firstFacet;
-    }
-    next.places.push_back(p);
-  };
+void TraceQuery::arrive(const TraceHit& h, Arrival& arrival) {
+  PathState::Places places;
   const auto known = [&](std::uint32_t instance, std::uint32_t solid) {
-    for (const PathState::Place& p : next.places)
+    for (const PathState::Place& p : places)
       if (p.instance == instance && p.solid == solid) return true;
     return false;
   };
-  put(best, h.normal, PathState::At::Surface);
-  for (const Found& t : touching_) {
-    Found exact = t;
-    refine(exact);
-    if (!coincide(exact, best) || (solidOf(exact) != kNone && known(exact.instance, solidOf(exact))))
-      continue;
-    arrival.touching.push_back(hitOf(exact));
-    put(exact, arrival.touching.back().normal, PathState::At::Surface);
-  }
+  const auto put = [&](const Found& f, std::uint32_t solid, bool facesNormal, PathState::At at) {
+    PathState::Place p{
+        f.instance, solid, f.triangle,  kNone,
+        kNone,      at,    facesNormal, at == PathState::At::Surface && f.feature == Feature::Flat};
+    if (f.facet != kNone) {
+      const auto& solids = (*instances)[f.instance].form->view->solids;
+      p.firstFacet = solids[solid].firstFacet;
+      p.endFacet = solids[solid + 1].firstFacet;
+    }
+    places.push_back(p);
+  };
   const auto maybeIn = [&](std::uint32_t instance, std::uint32_t solid) {
     const RayInstance& in = (*instances)[instance];
     return maybeInUnroundedSolid(*in.form->view, solid, in.worldFromObject->applyInverse(h.position));
   };
+
+  put(best, h.solid, true, PathState::At::Surface);
+  arrival.touching.clear();
+  for (Found& t : touching_) {
+    const std::uint32_t solid = solidOf(t);
+    if (!coincide(t, best) || (solid != kNone && known(t.instance, solid))) continue;
+    arrival.touching.push_back(hitOf(t));
+    put(t, solid, dot(t.normal, h.normal) >= 0, PathState::At::Surface);
+  }
   for (const PathState::Place& p : from->places) {
     if (p.solid == kNone || known(p.instance, p.solid)) continue;
-    const bool inside = from->inside(p, ray.direction);
+    const bool inside =
+        from->inside(p, ray.direction) && std::find(grazed_.begin(), grazed_.end(), &p) == grazed_.end();
     if (!inside && (!p.rounded() || p.leavesFlat || !maybeIn(p.instance, p.solid))) continue;
-    next.places.push_back(p);
-    next.places.back().at = inside ? PathState::At::Inside : PathState::At::Sliver;
+    places.push_back(p);
+    places.back().at = inside ? PathState::At::Inside : PathState::At::Sliver;
   }
   for (const Passage& passed : passages_) {
+    const std::uint32_t solid = (*instances)[passed.instance].form->view->facets[passed.facet].solid;
+    if (known(passed.instance, solid)) continue;
+    // At the hit's own place, for all that Embree can tell, is as good as before it: limit is beyond that.
+    if (passed.t > limit || (passed.close ? passed.t < h.t : !maybeIn(passed.instance, solid))) continue;
     Found f;
     f.instance = passed.instance;
     f.triangle = passed.triangle;
     f.facet = passed.facet;
-    const std::uint32_t solid = solidOf(f);
-    if (passed.t < h.t && !known(f.instance, solid) && maybeIn(f.instance, solid))
-      put(f, h.normal, PathState::At::Sliver);
+    put(f, solid, true, PathState::At::Sliver);
   }
-  arrival.state = std::move(next);
+  arrival.state.places = std::move(places);
+  arrival.state.normal = h.normal;
 }
 
 } // namespace chamfer

@@ -54,6 +54,17 @@ struct Found {
   Feature feature = Feature::Flat;
   Vector3 normal; ///< world, unit, outward
 
+  void set(const MetTriangle& met, std::uint32_t itsFacet, double there) {
+    t = there;
+    instance = met.instance;
+    triangle = met.triangle;
+    facet = itsFacet;
+    solid = kNone;
+    u = met.u;
+    v = met.v;
+    feature = Feature::Flat;
+  }
+
   Found() = default;
   Found(const Found& o) { *this = o; }
   /// Member by member: a copy in wide words would wait for the narrow stores just before it.
@@ -77,16 +88,16 @@ struct Found {
 /// Lives on the caller's stack. Places along the ray are in units of its direction's length.
 class TraceQuery {
 public:
-  /// All must outlive the query. `slack`: world length by which Embree may be off at the ray's origin.
+  /// All must outlive the query. `doubt`: world length by which Embree may be off at the ray's origin.
   TraceQuery(const std::vector<RayInstance>& rayInstances, const Ray& worldRay, const PathState& origin,
-             double near, double far, double slack)
+             double near, double far, double doubt)
       : instances(&rayInstances), ray(worldRay), from(&origin), tnear(near), tfar(far), limit(far) {
-    shift_ = slack / length(ray.direction);
-    if (!origin.empty()) lookAround();
+    const double inUnits = doubt / length(ray.direction);
+    near_ = near + inUnits;
+    start = near;
+    if (!origin.empty()) lookAround(inUnits);
+    notesPassages = amongOthers_;
   }
-
-  /// Where Embree's ray begins.
-  double traversalStart() const { return tnear - shift_; }
 
   /// Solves for the solids whose sliver the origin is in. Call before the traversal.
   void begin() {
@@ -97,44 +108,49 @@ public:
   bool take(const MetTriangle& met) {
     const RayInstance& in = (*instances)[met.instance];
     const RayForm& form = *in.form;
-    const double t = traversalStart() + double(met.t);
+    const double t = start + double(met.t);
     if (t > limit) return false;
     const std::uint32_t f = form.flats ? form.flats[met.triangle].facet : kNone;
     const PathState::Place* place = from->empty() ? nullptr : placeOf(met, f);
+    // From outside, a flat that is met is the near end: what is met of the far side lies behind that.
+    const bool plain = !place && !isNear(t) && (f == kNone ? !form.closed : isSurelyFlat(in, met));
+    if (plain && isAlone(form)) {
+      if (!(t < best.t)) return false;
+      best.set(met, f, t);
+      best.exact = false;
+      limit = t;
+      found_ = true;
+      return true;
+    }
     Found found;
-    found.t = t;
-    found.instance = met.instance;
-    found.triangle = met.triangle;
-    found.facet = f;
-    found.u = met.u;
-    found.v = met.v;
-    if (f == kNone) {
-      if (!meetsSharp(in, met, place, found)) return false;
-    } else if (place) {
-      if (!from->inside(*place, ray.direction) || !meetsFarSide(in, met, found)) return false;
-    } else if (!isNear(t) && isSurelyFlat(in, met)) {
-      // From outside, a flat that is met is the near end: what is met of the far side lies behind that.
-    } else if (!meetsNearSide(in, met, found)) {
-      return false;
+    found.set(met, f, t);
+    if (!plain) {
+      if (f == kNone) {
+        if (!meetsSharp(in, met, place, found)) return false;
+      } else if (place) {
+        if (!from->inside(*place, ray.direction) || !meetsFarSide(in, met, found)) return false;
+      } else if (!meetsNearSide(in, met, found)) {
+        return false;
+      }
     }
     return accept(found);
   }
   /// Looks for the far sides of solids that the origin is in and that the traversal may have ended before.
-  void finish();
+  void finish() {
+    if (insideAny_) findFarSides();
+  }
 
   /// Does the triangle mean that something is hit before tfar? Sets `blocker`.
   bool isBlockedBy(const MetTriangle& met) {
     const RayInstance& in = (*instances)[met.instance];
     const RayForm& form = *in.form;
-    const double t = traversalStart() + double(met.t);
+    const double t = start + double(met.t);
     const std::uint32_t f = form.flats ? form.flats[met.triangle].facet : kNone;
     const PathState::Place* place = from->empty() ? nullptr : placeOf(met, f);
+    if (f == kNone && !place && !form.closed && !isNear(t)) return t < tfar;
     Found found;
-    found.t = t;
-    found.instance = met.instance;
-    found.triangle = met.triangle;
-    found.facet = f;
-    if (f == kNone) return meetsSharp(in, met, place, found) && t < tfar;
+    found.set(met, f, t);
+    if (f == kNone) return meetsSharp(in, met, place, found) && found.t < tfar;
     if (place) {
       // From inward a path leaves the rounded solid before the mesh. That far side counts as flat: which
       // feature it is need not be found out.
@@ -146,19 +162,24 @@ public:
     return true;
   }
   /// Does the ray, of which no triangle was in the way, leave a solid that it begins in before tfar?
-  bool isBlockedByFarSide();
+  bool isBlockedByFarSide() { return insideAny_ && farSideBlocks(); }
 
   bool found() const { return found_; }
   /// Is the hit a wall within a union of solids that the path is in? If so, the query of the rest of the ray
   /// begins there. May change which of the coinciding surfaces is the hit.
-  bool isBuried();
-  TraceHit hit() const { return hitOf(best); }
-  void arrive(Arrival& arrival) const;
+  bool isBuried() { return insideAny_ && found_ && isWallWithin(); }
+  TraceHit hit() {
+    refine(best);
+    return hitOf(best);
+  }
+  /// `hit`: what hit() returned. `arrival` may hold `from`.
+  void arrive(const TraceHit& hit, Arrival& arrival);
 
   const std::vector<RayInstance>* instances;
   Ray ray; ///< world
   const PathState* from;
   double tnear, tfar;
+  double start; ///< where Embree's ray begins
   double limit; ///< the traversal may end there
   Found best;
   Feature blocker = Feature::Flat;
@@ -166,13 +187,15 @@ public:
   bool notesPassages = false;              ///< arrive() will be asked for
 
 private:
-  /// A rounded solid whose mesh the ray enters at `t` and which it does not meet there.
+  /// A rounded solid whose mesh the ray enters at `t` and which it does not meet there, or which it meets so
+  /// shortly behind another that Embree could not find it from there.
   struct Passage {
     std::uint32_t instance, triangle, facet;
     double t;
+    bool close;
   };
 
-  bool isNear(double t) const { return t <= tnear + 2 * shift_; }
+  bool isNear(double t) const { return t <= near_; }
   const PathState::Place* placeOf(const MetTriangle& met, std::uint32_t f) const {
     for (const PathState::Place& p : from->places)
       if (p.instance == met.instance &&
@@ -221,7 +244,8 @@ private:
   }
   bool meetsNearSide(const RayInstance& in, const MetTriangle& met, Found& found) {
     const auto end = nearEnd(*in.form->view, {found.facet, found.t}, rayFor(met.instance));
-    if (notesPassages && (!end || end->t > found.t)) notePassage(in, met, found);
+    if (notesPassages && (!end || end->t > found.t) && !leaving(met.instance, found.facet))
+      passages_.push_back({met.instance, met.triangle, found.facet, found.t, false});
     if (!end) return false;
     setEnd(found, *end);
     return end->t > tnear || beginsOnSurface(found);
@@ -233,14 +257,15 @@ private:
   bool meetsSharpClosely(const RayInstance& in, const MetTriangle& met, const PathState::Place* place,
                          Found& found);
 
-  void notePassage(const RayInstance& in, const MetTriangle& met, const Found& found);
   void setEnd(Found& found, const RoundedEnd& end) const;
   void refine(Found& found) const;
   /// The near end lies at the origin or behind, for rounding, and the ray goes on into the solid: then it is
   /// met at once.
   bool beginsOnSurface(Found& found);
+  /// Does nothing that coincides with a surface of the form matter?
+  bool isAlone(const RayForm& form) const { return !amongOthers_ && !coincidenceMatters_ && !form.transmits; }
   bool accept(Found& found) {
-    if (!amongOthers_ && !coincidenceMatters_ && !(*instances)[found.instance].form->transmits) {
+    if (isAlone(*(*instances)[found.instance].form)) {
       if (!(found.t < best.t) || !(found.t < tfar)) return false;
       best = found;
       found_ = true;
@@ -255,18 +280,23 @@ private:
   std::uint32_t solidOf(const Found& found) const;
   bool coincide(const Found& a, const Found& b) const;
   TraceHit hitOf(const Found& found) const;
-  void lookAround();
+  void lookAround(double doubt);
+  void findFarSides();
+  bool farSideBlocks();
+  bool isWallWithin();
   void beginInSlivers();
   bool outsideAt(const PathState::Place& place, double t);
   bool buries(std::uint32_t instance, std::uint32_t solid, const Found& wall) const;
 
-  double shift_ = 0;
+  double near_;                     ///< up to here Embree's places mean nothing
   bool insideAny_ = false;          ///< the origin is in a solid
   bool amongOthers_ = false;        ///< of those that light goes through, or that are one with others
   bool coincidenceMatters_ = false; ///< of other surfaces with the best so far
   bool found_ = false;
   boost::container::small_vector<Found, 1> touching_;
   boost::container::small_vector<Passage, 4> passages_;
+  boost::container::small_vector<const PathState::Place*, 1>
+      grazed_;                          ///< of `from`, which the ray is not in after all
   std::uint32_t frameInstance_ = kNone; ///< whose frame objectRay_ is in
   Ray objectRay_;
 };

@@ -40,7 +40,7 @@ void intersectFilter(const RTCFilterFunctionNArguments* args) {
   TraceQuery& query = reinterpret_cast<Context*>(args->context)->query;
   args->valid[0] = 0;
   if (!query.take(metTriangle(args))) return;
-  reinterpret_cast<RTCRay*>(args->ray)->tfar = above(query.limit - query.traversalStart());
+  reinterpret_cast<RTCRay*>(args->ray)->tfar = above(query.limit - query.start);
   args->valid[0] = -1;
 }
 
@@ -125,18 +125,16 @@ public:
                                     Arrival* arrival) const override {
     if (from.empty() && isFar(ray)) return intersectFromAfar(ray, tnear, tfar, arrival);
     Context c = context(ray, from, tnear, tfar, &intersectFilter);
-    c.query.notesPassages = arrival != nullptr;
+    c.query.notesPassages |= arrival != nullptr;
     search(c);
     if (c.query.isBuried()) {
       Arrival within;
-      c.query.arrive(within);
-      const double there = c.query.best.t;
-      const auto hit = intersect(ray, within.state, there, tfar, arrival);
-      return hit;
+      c.query.arrive(c.query.hit(), within);
+      return intersect(ray, within.state, c.query.best.t, tfar, arrival);
     }
     if (!c.query.found()) return std::nullopt;
     const TraceHit hit = c.query.hit();
-    if (arrival) c.query.arrive(*arrival);
+    if (arrival) c.query.arrive(hit, *arrival);
     return hit;
   }
 
@@ -349,8 +347,18 @@ private:
   }
 
   RTCRay embreeRay(const TraceQuery& q) const {
-    const double start = q.traversalStart();
-    return embreeRay(Vector3(q.ray.at(start)) - centre_, q.ray.direction, 0, q.limit - start);
+    RTCRay r = embreeRay(Vector3(q.ray.at(q.start)) - centre_, q.ray.direction, 0, q.limit - q.start);
+    if (q.from->empty() || q.start < q.tnear) return r;
+    // Rounded to the side that the path goes on: mostly the surface that it leaves is not met again then.
+    const Vector3& n = q.from->normal;
+    const bool along = dot(n, q.ray.direction) > 0;
+    const auto step = [&](float& x, double by) {
+      if (by != 0) x += ((by > 0) == along ? 0x1p-23f : -0x1p-23f) * std::abs(x);
+    };
+    step(r.org_x, n.x);
+    step(r.org_y, n.y);
+    step(r.org_z, n.z);
+    return r;
   }
 
   /// `origin` relative to the scene's centre.
