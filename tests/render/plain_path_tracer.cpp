@@ -29,7 +29,8 @@ Color plainRadiance(const PreparedScene& prepared, Ray ray, unsigned maxBounces,
     const Vector3f wo = frame.toLocal(Vector3f(-ray.direction));
     if (!(wo.z > 0)) return sum;
     const float lobe = u();
-    const BsdfSample s = Bsdf(prepared.surfaces().values(*hit, place), wo, inside).sample(lobe, u.pair());
+    const SurfaceValues values = prepared.surfaces().values(*hit, place);
+    const BsdfSample s = Bsdf(values, wo, inside ? 1 / values.ior : values.ior).sample(lobe, u.pair());
     if (!s.valid) return sum;
     throughput *= s.weight;
     ray = {hit->position, normalize(Vector3(frame.toWorld(s.wi)))};

@@ -25,7 +25,8 @@ public:
          const SurfaceValues& surface)
       : hit_(hit), side_(dot(incoming, hit.normal) > 0 ? -1 : 1), smooth_(shading.smooth * side_),
         normal_(onThisSide(incoming, shading.normal)), turned_(!(shading.normal == shading.smooth)),
-        frame_(Vector3f(normal_)), bsdf_(surface, localOutgoing(incoming), side_ < 0) {}
+        frame_(Vector3f(normal_)),
+        bsdf_(surface, localOutgoing(incoming), side_ < 0 ? 1 / surface.ior : surface.ior) {}
 
   bool hasSmoothPart() const { return bsdf_.hasSmoothPart(); }
   const Point3& position() const { return hit_.position; }

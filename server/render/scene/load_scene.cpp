@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Part of every scene's id: to be changed whenever the same files give other pixels than before.
-constexpr char kRendererVersion[] = "chamfer renderer 5";
+constexpr char kRendererVersion[] = "chamfer renderer 6";
 constexpr char kNoNormals[] = "does not hold tangent-space normals: it looks like a height map";
 constexpr std::uintmax_t kLargestSceneFile = 256u << 20;
 
