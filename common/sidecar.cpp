@@ -5,7 +5,8 @@
 //        8     4  version of this layout (kVersion)
 //       12     4  number of sections (kSections)
 //       16    16  digest of the mesh geometry (high, low)
-//       32  16*k  section table: for each section its element count (u64) and the XXH3-64 of its bytes (u64)
+//       32    48  the options that it was made with (OptionsRecord)
+//       80  16*k  section table: for each section its element count (u64) and the XXH3-64 of its bytes (u64)
 //        +     8  XXH3-64 of everything before it
 //        +     -  the sections in table order, each padded with zeros to a multiple of 8 bytes
 //
@@ -18,6 +19,8 @@
 
 #include <bit>
 #include <cerrno>
+#include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
@@ -35,16 +38,20 @@ static_assert(std::endian::native == std::endian::little,
               "the sidecar is mapped as it is: little-endian only");
 
 constexpr char kMagic[8] = "CHAMFER";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2; // 1 had no options
 constexpr std::uint32_t kSections = 8;
-constexpr std::size_t kPrefix = 32, kTable = kPrefix + 16 * kSections, kHeader = kTable + 8;
+constexpr std::size_t kPrefix = 80, kTable = kPrefix + 16 * kSections, kHeader = kTable + 8;
 
 struct Prefix {
   char magic[8];
   std::uint32_t version, sections;
   std::uint64_t digestHigh, digestLow;
+  struct OptionsRecord {
+    double radius, weld, planarity, convexity, clamp;
+    std::uint8_t relative, onNonConvex, unused[6];
+  } options;
 };
-static_assert(sizeof(Prefix) == kPrefix);
+static_assert(sizeof(Prefix) == kPrefix && offsetof(Prefix, options) == 32);
 
 /// Calls `f` with a reference to each span of the view, in the order of the file.
 template <class View, class F>
@@ -66,14 +73,51 @@ constexpr std::size_t padded(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
               "the sidecar is damaged: " + what + "; run chamferprep on the mesh again");
 }
 
-/// Points the view's spans into `bytes`, which must outlive it and be aligned to 8.
-void mapView(std::span<const std::byte> bytes, const Digest* expected, RoundingView& view, Digest& digest) {
+Prefix::OptionsRecord packOptions(const RoundingOptions& o) {
+  return {o.radius, o.weld, o.planarity, o.convexity, o.clamp, o.relative, std::uint8_t(o.onNonConvex), {}};
+}
+
+/// Refuses what chamferprep would not have taken.
+RoundingOptions unpackOptions(const Prefix::OptionsRecord& r) {
+  const auto within = [](double v, double most) { return v >= 0 && v <= most; };
+  const std::uint8_t zeros[6] = {};
+  if (!(std::isfinite(r.radius) && r.radius > 0 && within(r.weld, kMostWeld) &&
+        within(r.planarity, kMostPlanarity) && within(r.convexity, kMostConvexity) &&
+        within(r.clamp, kMostClamp)) ||
+      r.relative > 1 || r.onNonConvex > std::uint8_t(OnNonConvex::Hull) ||
+      std::memcmp(r.unused, zeros, sizeof zeros) != 0)
+    damaged("its options are out of range");
+  return {r.radius, r.relative == 1, OnNonConvex(r.onNonConvex), r.weld, r.planarity, r.convexity, r.clamp};
+}
+
+/// Refuses files of version 1, which had no options, by that name: its header's checksum stood before them.
+void refuseOlder(std::span<const std::byte> bytes, const std::string& mesh) {
+  constexpr std::size_t kOldTable = 32 + 16 * kSections;
+  std::uint32_t version = 0;
+  std::uint64_t sum = 0;
+  if (bytes.size() < kOldTable + sizeof sum) return;
+  std::memcpy(&version, bytes.data() + sizeof kMagic, sizeof version);
+  std::memcpy(&sum, bytes.data() + kOldTable, sizeof sum);
+  if (version == 1 && sum == checksumOf(bytes.first(kOldTable)))
+    throw Error(
+        ErrorKind::StaleSidecar,
+        "the sidecar was written by an older chamferprep (version 1 of its layout, this program reads "
+        "version " +
+            std::to_string(kVersion) + "); make it anew: chamferprep " + mesh +
+            " --radius R, with the radius and options that it was made with");
+}
+
+/// Points the view's spans into `bytes`, which must outlive it and be aligned to 8. `mesh` stands in
+/// messages.
+void mapView(std::span<const std::byte> bytes, const Digest* expected, const std::string& mesh,
+             RoundingView& view, Digest& digest, RoundingOptions& options) {
   Prefix prefix{};
+  if (bytes.size() < sizeof kMagic || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0)
+    damaged("it does not begin with the sidecar's mark");
+  refuseOlder(bytes, mesh);
   if (bytes.size() < kHeader)
     damaged("it has " + std::to_string(bytes.size()) + " bytes, fewer than its header");
   std::memcpy(&prefix, bytes.data(), sizeof prefix);
-  if (std::memcmp(prefix.magic, kMagic, sizeof kMagic) != 0)
-    damaged("it does not begin with the sidecar's mark");
   if (prefix.version != kVersion)
     damaged("it has version " + std::to_string(prefix.version) + ", this program reads version " +
             std::to_string(kVersion));
@@ -86,6 +130,7 @@ void mapView(std::span<const std::byte> bytes, const Digest* expected, RoundingV
     throw Error(ErrorKind::StaleSidecar, "the sidecar belongs to another version of the mesh (digest " +
                                              digest.hex() + ", the mesh has " + expected->hex() +
                                              "); run chamferprep on the mesh again");
+  options = unpackOptions(prefix.options);
   std::size_t offset = kHeader, row = kPrefix;
   eachSection(view, [&]<class T>(std::span<const T>& section) {
     std::uint64_t entry[2];
@@ -104,10 +149,15 @@ void mapView(std::span<const std::byte> bytes, const Digest* expected, RoundingV
   validate(view);
 }
 
+/// The mesh's name, as commands on it are shown: sidecars are named after it.
+std::string meshOf(const std::filesystem::path& sidecar) { return sidecar.stem().string(); }
+
 class OwnedRounding final : public Rounding {
 public:
-  OwnedRounding(RoundingArrays arrays, const Digest& digest) : arrays_(std::move(arrays)) {
+  OwnedRounding(RoundingArrays arrays, const Digest& digest, const RoundingOptions& options)
+      : arrays_(std::move(arrays)) {
     meshDigest_ = digest;
+    options_ = options;
     view_ = {arrays_.solids, arrays_.facets,    arrays_.spheres,   arrays_.packed,
              arrays_.wide,   arrays_.treeRoots, arrays_.treeNodes, arrays_.facetOfTriangle};
     eachSection(view_, [&](const auto& section) { bytes_ += section.size_bytes(); });
@@ -119,10 +169,12 @@ private:
 
 class ParsedRounding final : public Rounding {
 public:
-  ParsedRounding(std::span<const std::byte> bytes, const Digest* expected) : words_((bytes.size() + 7) / 8) {
+  ParsedRounding(std::span<const std::byte> bytes, const Digest* expected, const std::string& mesh)
+      : words_((bytes.size() + 7) / 8) {
     if (!bytes.empty()) std::memcpy(words_.data(), bytes.data(), bytes.size());
     bytes_ = bytes.size();
-    mapView(std::as_bytes(std::span(words_)).first(bytes.size()), expected, view_, meshDigest_);
+    mapView(std::as_bytes(std::span(words_)).first(bytes.size()), expected, mesh, view_, meshDigest_,
+            options_);
   }
 
 private:
@@ -141,8 +193,10 @@ public:
     ::close(file);
     if (address == MAP_FAILED) damaged("it is empty or not a regular file");
     address_ = address;
+    const std::string mesh = meshOf(path);
     try {
-      mapView({static_cast<const std::byte*>(address_), bytes_}, expected, view_, meshDigest_);
+      mapView({static_cast<const std::byte*>(address_), bytes_}, expected, mesh, view_, meshDigest_,
+              options_);
     } catch (...) {
       ::munmap(address_, bytes_);
       throw;
@@ -159,7 +213,12 @@ private:
 std::vector<std::byte> serialize(const Rounding& rounding) {
   const RoundingView& view = rounding.view();
   std::vector<std::byte> bytes(kHeader);
-  Prefix prefix{{}, kVersion, kSections, rounding.meshDigest().high, rounding.meshDigest().low};
+  Prefix prefix{{},
+                kVersion,
+                kSections,
+                rounding.meshDigest().high,
+                rounding.meshDigest().low,
+                packOptions(rounding.options())};
   std::memcpy(prefix.magic, kMagic, sizeof kMagic);
   std::memcpy(bytes.data(), &prefix, sizeof prefix);
   std::size_t row = kPrefix;
@@ -178,8 +237,9 @@ std::vector<std::byte> serialize(const Rounding& rounding) {
 
 } // namespace
 
-std::shared_ptr<const Rounding> makeRounding(RoundingArrays arrays, const Digest& meshDigest) {
-  return std::make_shared<OwnedRounding>(std::move(arrays), meshDigest);
+std::shared_ptr<const Rounding> makeRounding(RoundingArrays arrays, const Digest& meshDigest,
+                                             const RoundingOptions& options) {
+  return std::make_shared<OwnedRounding>(std::move(arrays), meshDigest, options);
 }
 
 std::shared_ptr<const Rounding> readSidecar(const std::filesystem::path& path, const Digest* expected) {
@@ -190,11 +250,11 @@ std::shared_ptr<const Rounding> loadSidecar(const std::filesystem::path& path, c
   std::ifstream in(path, std::ios::binary);
   if (!in) throw Error(ErrorKind::NotFound, "no sidecar " + path.filename().string());
   const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
-  return parseSidecar(std::as_bytes(std::span(bytes)), expected);
+  return std::make_shared<ParsedRounding>(std::as_bytes(std::span(bytes)), expected, meshOf(path));
 }
 
 std::shared_ptr<const Rounding> parseSidecar(std::span<const std::byte> bytes, const Digest* expected) {
-  return std::make_shared<ParsedRounding>(bytes, expected);
+  return std::make_shared<ParsedRounding>(bytes, expected, "MESH");
 }
 
 std::size_t serializedSize(const Rounding& rounding) {

@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1u, 256u));
   app.add_option("--clamp", p.clamp,
                  "Round each solid with at most this share of its own inradius (0 to 0.999)")
-      ->check(CLI::Range(0.0, 0.999));
+      ->check(CLI::Range(0.0, kMostClamp));
   const std::map<std::string, OnNonConvex> choices{
       {"error", OnNonConvex::Error}, {"sharp", OnNonConvex::Sharp}, {"hull", OnNonConvex::Hull}};
   app.add_option("--on-nonconvex", p.onNonConvex,
@@ -38,15 +38,15 @@ int main(int argc, char** argv) {
   app.add_option("--weld", p.tolerances.weld,
                  "Vertices nearer than this share of a component's diagonal are one")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 0.01));
+      ->check(CLI::Range(0.0, kMostWeld));
   app.add_option("--planarity", p.tolerances.planarity,
                  "Triangles this near to a plane, as a share of the diagonal, are one facet")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 0.01));
+      ->check(CLI::Range(0.0, kMostPlanarity));
   app.add_option("--convexity", p.tolerances.convexity,
                  "Depth below the convex hull, as a share of the diagonal, that still counts as convex")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 0.1));
+      ->check(CLI::Range(0.0, kMostConvexity));
   app.add_option("-j,--threads", p.threads, "Threads (0: all)")->capture_default_str();
   app.add_flag("--json", options.json, "Print the report as JSON (an array when there are several meshes)");
   app.add_flag("--dry-run", options.dryRun, "Do everything but write");

@@ -52,13 +52,14 @@ void add(StageTimes& to, const StageTimes& t) {
   if (count > 1) message += "; " + std::to_string(count - 1) + " more components are refused, too";
   message +=
       ". --on-nonconvex sharp leaves such components sharp, hull rounds a closed one as its convex hull";
-  throw Error(ErrorKind::NotConvexSolid, message)
-      .with("component", double(first + 1))
-      .with("triangle", fault.triangle)
-      .with("measure", fault.measure)
+  Error error(ErrorKind::NotConvexSolid, message);
+  error.with("component", double(first + 1));
+  if (fault.triangle != kNone) error.with("triangle", fault.triangle);
+  error.with("measure", fault.measure)
       .with("x", fault.place.x)
       .with("y", fault.place.y)
       .with("z", fault.place.z);
+  throw error;
 }
 
 /// The component whose radius is farthest beyond what it admits.
@@ -108,6 +109,22 @@ Radius parseRadius(std::string_view text) {
                     "solid's diagonal such as 2%");
   if (radius.relative) radius.value /= 100;
   return radius;
+}
+
+RoundingOptions recordOf(const PreprocessOptions& o) {
+  return {o.radius.value,         o.radius.relative,      o.onNonConvex, o.tolerances.weld,
+          o.tolerances.planarity, o.tolerances.convexity, o.clamp};
+}
+
+PreprocessOptions optionsOf(const RoundingOptions& r) {
+  PreprocessOptions o;
+  o.radius = {r.radius, r.relative};
+  o.onNonConvex = r.onNonConvex;
+  o.tolerances.weld = r.weld;
+  o.tolerances.planarity = r.planarity;
+  o.tolerances.convexity = r.convexity;
+  o.clamp = r.clamp;
+  return o;
 }
 
 PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& options) {
@@ -194,7 +211,7 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
   finishArrays(arrays);
   arena.execute([&] { tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) { solids[i] = {}; }); });
   report.treeNodes = arrays.treeNodes.size();
-  result.rounding = makeRounding(std::move(arrays), geometryDigest(mesh));
+  result.rounding = makeRounding(std::move(arrays), geometryDigest(mesh), recordOf(options));
   report.times.pack = since(start);
   progress("packing", 1);
   return result;

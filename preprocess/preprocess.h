@@ -18,8 +18,6 @@ struct Radius {
 /// Parses "0.1" or "2%". Throws Error(Usage) unless it is a finite number above 0.
 Radius parseRadius(std::string_view text);
 
-enum class OnNonConvex : std::uint8_t { Error, Sharp, Hull };
-
 struct PreprocessOptions {
   Radius radius;
   InputTolerances tolerances;
@@ -28,6 +26,10 @@ struct PreprocessOptions {
   unsigned threads = 0;
   std::function<void(const char* stage, double share)> progress; ///< may throw to cancel
 };
+
+/// What a sidecar keeps of options, and the options that it stands for.
+RoundingOptions recordOf(const PreprocessOptions& options);
+PreprocessOptions optionsOf(const RoundingOptions& record);
 
 struct StageTimes {
   double components = 0, convexity = 0, facets = 0, core = 0, detection = 0, pack = 0; ///< seconds, wall

@@ -24,6 +24,17 @@ void mirrorInEnvironment(CLI::App& command) {
   }
 }
 
+template <class Axis>
+void addUpAxis(CLI::App& command, Axis& axis, const char* about) {
+  using chamfer::UpAxis;
+  command
+      .add_option_function<std::string>(
+          "--up-axis", [&axis](const std::string& word) { axis = word == "y" ? UpAxis::Y : UpAxis::Z; },
+          about)
+      ->check(CLI::IsMember({"y", "z"}))
+      ->type_name("y|z");
+}
+
 CLI::App* addServe(CLI::App& app, ServeCommandOptions& options) {
   CLI::App* serve =
       app.add_subcommand("serve", "Serve every scene and every rounded mesh below a folder over HTTP");
@@ -78,6 +89,7 @@ CLI::App* addServe(CLI::App& app, ServeCommandOptions& options) {
   serve->add_flag("--no-auth", options.noAuth, "Listen beyond this machine without keys");
   serve->add_option("--allow-host", options.allowHosts,
                     "Name by which clients may call this server; may be repeated");
+  addUpAxis(*serve, options.upAxis, "Axis that points up in the files of bare meshes: y or z; default: z");
   serve->add_option("--web", options.web, "Folder of the page; default: the one built in");
   serve
       ->add_option("--log-level", options.logLevel,
@@ -128,6 +140,11 @@ CLI::App* addRender(CLI::App& app, RenderCommandOptions& options) {
                    "beauty, albedo, normal, geometric_normal, depth, feature or instance")
       ->capture_default_str();
   render->add_option("--radius", options.radius, "Rounding radius in mesh units; default: the sidecar's");
+  render
+      ->add_option("--radius-clamp", options.radiusClamp,
+                   "Round each solid with at most this share of its own inradius; default: the sidecar's")
+      ->check(CLI::Range(0.0, chamfer::kMostClamp));
+  addUpAxis(*render, options.upAxis, "Axis that points up in the file of a bare mesh: y or z; default: z");
   addTriple(*render, "--eye", options.eye, "Camera position; default: the scene's camera");
   addTriple(*render, "--target", options.target, "Point the camera looks at");
   addTriple(*render, "--up", options.up, "Direction that is up in the picture");

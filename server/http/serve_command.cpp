@@ -127,7 +127,8 @@ int runServeCommand(const ServeCommandOptions& options) {
   const StopSignals signals;
   raiseDescriptorLimit();
 
-  Catalogue catalogue(options.root, fromSeconds(options.rescanSeconds), options.sceneMegabytes << 20);
+  Catalogue catalogue(options.root, fromSeconds(options.rescanSeconds), options.sceneMegabytes << 20,
+                      options.upAxis);
   Service service(serviceOptions(options), catalogue,
                   options.web.empty() ? StaticFiles() : StaticFiles(options.web));
   ConnectionLimits limits;

@@ -1,6 +1,8 @@
 // `chamferd serve ROOT`: the long-running server. The caller parses the command line.
 #pragma once
 
+#include "server/render/scene/scene.h"
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -25,6 +27,7 @@ struct ServeCommandOptions {
   bool behindProxy = false;            ///< the client is the last address of X-Forwarded-For
   bool noAuth = false;                 ///< listen beyond this machine without keys
   std::vector<std::string> allowHosts; ///< names in Host that are answered, beside the loopback ones
+  UpAxis upAxis = UpAxis::Z;           ///< of bare meshes
   std::filesystem::path web;           ///< folder of the page; empty: the one in the program
   std::string logLevel = "info";
 };

@@ -13,9 +13,9 @@ namespace {
 
 /// Repairs the checksums of mutated bytes, so that the checks behind them are reached.
 std::vector<std::byte> withChecksums(std::span<const std::byte> bytes) {
-  constexpr std::size_t kPrefix = 32, kSections = 8, kTable = kPrefix + 16 * kSections, kHeader = kTable + 8;
+  constexpr std::size_t kPrefix = 80, kSections = 8, kTable = kPrefix + 16 * kSections, kHeader = kTable + 8;
   constexpr std::size_t kElement[kSections] = {sizeof(chamfer::SolidRecord),  sizeof(chamfer::FacetRecord),
-                                               sizeof(chamfer::Float3),       sizeof(chamfer::PackedHalfEdge),
+                                               sizeof(chamfer::SphereRecord), sizeof(chamfer::PackedHalfEdge),
                                                sizeof(chamfer::WideHalfEdge), sizeof(chamfer::TreeRoot),
                                                sizeof(chamfer::TreeNode),     sizeof(std::uint32_t)};
   std::vector<std::byte> fixed(bytes.begin(), bytes.end());

@@ -173,5 +173,19 @@ TEST(Catalogue, TriesABrokenSceneAgainWhenAnyFileIsMended) {
   waitUntil([&] { return catalogue->find("both")->state == SceneState::Ready; });
 }
 
+TEST(CatalogueUpAxis, TurnsBareMeshesUpright) {
+  const test::SceneFolder folder;
+  folder.write("post.obj", "v 0 0 0\nv 1 0 0\nv 0 5 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  folder.round("post.obj", 0.05);
+  Catalogue catalogue(folder.path(), std::chrono::milliseconds(0), SIZE_MAX, UpAxis::Y);
+  catalogue.start();
+  for (int i = 0; i < 1000 && !catalogue.loaded(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const auto post = catalogue.find("post");
+  ASSERT_TRUE(post && post->scene);
+  EXPECT_EQ(post->scene->bounds.lower, Point3(0, -2, 0));
+  EXPECT_EQ(post->scene->bounds.upper, Point3(1, 0, 5));
+}
+
 } // namespace
 } // namespace chamfer::http

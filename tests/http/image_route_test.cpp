@@ -47,6 +47,22 @@ TEST_F(Images, TileCarriesWhatIsPromised) {
   EXPECT_LT(std::stoul(*response.header("X-Chamfer-Rounded")), rays);
 }
 
+TEST_F(Images, HalfFloatsThatCannotHoldTheirValueAreCounted) {
+  folder_.write("bright.scene.json", R"({"meshes":[{"name":"c","file":"cube.obj"}],
+      "instances":[{"mesh":"c"}],"lights":[{"type":"environment","color":1e6}]})");
+  serve();
+  const std::string bright = "/v1/scenes/" + idOf("bright") + "/tiles/16x16/0,0,16,16/0-1.";
+  const Response f16 = get(bright + "f16");
+  ASSERT_EQ(f16.status, 200);
+  ASSERT_NE(f16.header("X-Chamfer-Saturated"), nullptr);
+  EXPECT_GT(std::stoul(*f16.header("X-Chamfer-Saturated")), 0u);
+  std::uint16_t corner = 0;
+  std::memcpy(&corner, f16.body.data() + 16, sizeof corner);
+  EXPECT_EQ(corner, 0x7bff) << "65504, no infinity";
+  EXPECT_EQ(get(bright + "exr").header("X-Chamfer-Saturated"), nullptr);
+  EXPECT_EQ(get(tiles() + "16x16/0,0,16,16/0-1.f16").header("X-Chamfer-Saturated"), nullptr);
+}
+
 TEST_F(Images, FormatsAreWhatTheySay) {
   serve();
   EXPECT_THAT(get(tiles() + "16x16/0,0,16,16/0-1.png").body, StartsWith("\x89PNG"));

@@ -151,6 +151,29 @@ TEST_F(Preview, InstancesAreNodesThatShareTheirMesh) {
   EXPECT_EQ(dim.emissiveFactor, (std::vector<double>{1, 0.5, 0})) << "a factor is at most 1";
 }
 
+TEST_F(Preview, MeshesAtMapCoordinatesKeepTheirShape) {
+  // A cube of 8 mm at millions of metres: float32 alone would put its corners a quarter of a metre off.
+  std::string obj;
+  for (int i = 0; i < 8; ++i)
+    obj += "v " + std::string(i & 1 ? "3500000.008" : "3500000") + ' ' + (i & 2 ? "5800000.008" : "5800000") +
+           ' ' + (i & 4 ? "0.008" : "0") + '\n';
+  obj += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+  folder_.write("far.obj", obj);
+  folder_.write("far.scene.json", R"({"meshes":[{"name":"m","file":"far.obj"}],"instances":[{"mesh":"m"},
+      {"mesh":"m","matrix":[1,0.5,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]})");
+  serve();
+  const tinygltf::Model model = parsed(get("/v1/scenes/" + idOf("far") + "/preview.glb").body);
+  ASSERT_EQ(model.accessors.size(), 4u);
+  for (const std::size_t accessor : {0u, 2u})
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(model.accessors[accessor].maxValues[c] - model.accessors[accessor].minValues[c],
+                  accessor == 2 && c == 0 ? 0.012 : 0.008, 1e-6);
+  ASSERT_EQ(model.nodes.size(), 3u);
+  EXPECT_NEAR(model.nodes[1].matrix[12], 3500000.004, 1e-6);
+  EXPECT_NEAR(model.nodes[2].matrix[12], 3500000.004 + 0.5 * 5800000.004, 1e-6);
+  EXPECT_NEAR(model.nodes[2].matrix[13], 5800000.004, 1e-6);
+}
+
 TEST_F(Preview, TrianglesHaveTheirOwnMaterials) {
   folder_.write("two.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\xff\nKd 0 0 1\n");
   folder_.write("two.obj",

@@ -13,12 +13,13 @@ using test::problemFrom;
 
 TEST(RayList, ReadsEveryKey) {
   const RayList list = parseRayList(
-      R"({"tnear":0.5,"radius":2e-2,"rounding":"analytic","rays":[[0,0.5,-1e3,1,0,0],[1,2,3,-4,5.25,6]]})");
+      R"({"tnear":0.5,"radius":2e-2,"radius_clamp":0.5,"rounding":"analytic","rays":[[0,0.5,-1e3,1,0,0],[1,2,3,-4,5.25,6]]})");
   ASSERT_EQ(list.rays.size(), 2u);
   EXPECT_EQ(list.rays[0].origin, Point3(0, 0.5, -1000));
   EXPECT_EQ(list.rays[0].direction, Vector3(1, 0, 0));
   EXPECT_EQ(list.rays[1].direction, Vector3(-4, 5.25, 6));
   EXPECT_EQ(list.rounding.radius, 0.02);
+  EXPECT_EQ(list.rounding.radiusClamp, 0.5);
   EXPECT_EQ(list.rounding.mode, RoundingMode::Analytic);
   EXPECT_EQ(list.tnear, 0.5);
 }
@@ -32,6 +33,7 @@ TEST(RayList, NeedsNothingButRays) {
 
 TEST(RayList, RadiusSurvivesWhateverTheOrderOfKeys) {
   EXPECT_EQ(parseRayList(R"({"rays":[],"radius":0.1,"rounding":"mesh:4"})").rounding.radius, 0.1);
+  EXPECT_EQ(parseRayList(R"({"rays":[],"radius_clamp":0,"rounding":"mesh:4"})").rounding.radiusClamp, 0.0);
   EXPECT_EQ(parseRayList(R"({"rays":[],"rounding":"mesh:4","radius":0.1})").rounding.count, 4u);
 }
 
@@ -52,7 +54,8 @@ TEST_P(RefusedRays, NamesPlaceAndValue) {
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds, RefusedRays,
-    testing::Values(Refusal{"[]", 400, "body", "[...]"}, Refusal{"7", 400, "body", "7"},
+    testing::Values(Refusal{R"({"rays":[],"radius_clamp":1})", 422, "radius_clamp", "1"},
+                    Refusal{"[]", 400, "body", "[...]"}, Refusal{"7", 400, "body", "7"},
                     Refusal{"{}", 400, "rays", ""}, Refusal{R"({"rays":7})", 400, "rays", "7"},
                     Refusal{R"({"rays":{}})", 400, "rays", "{...}"},
                     Refusal{R"({"rays":[7]})", 400, "rays[0]", "7"},

@@ -25,6 +25,7 @@ TileRequest frame(const std::string& path, const std::string& query = "") {
 TEST(TileRequest, ReadsEveryPart) {
   const TileRequest request = tile("/640x480/32,16,64,48/4-12.exr",
                                    "camera=1,2,3,4,5,6,0,0,1,35.5,0.01,7&rounding=mesh:3&radius=2.5e-2&seed=7"
+                                   "&radius_clamp=0.9"
                                    "&bounces=0&clamp=2.5&aov=normal");
   EXPECT_EQ(request.settings.width, 640u);
   EXPECT_EQ(request.settings.height, 480u);
@@ -39,6 +40,7 @@ TEST(TileRequest, ReadsEveryPart) {
   EXPECT_EQ(request.rounding.mode, RoundingMode::Mesh);
   EXPECT_EQ(request.rounding.count, 3u);
   EXPECT_EQ(request.rounding.radius, 0.025);
+  EXPECT_EQ(request.rounding.radiusClamp, 0.9);
   EXPECT_EQ(request.settings.seed, 7u);
   EXPECT_EQ(request.settings.maxBounces, 0u);
   EXPECT_EQ(request.settings.indirectClamp, 2.5f);
@@ -172,6 +174,7 @@ TEST(TileRequest, DigestNamesTheAnswerNotItsSpelling) {
        {"", "camera=1,2,3,0,0,0,0,0,1,41", "camera=1,2,3,0,0,0,0,0,1,40&seed=1",
         "camera=1,2,3,0,0,0,0,0,1,40&bounces=7", "camera=1,2,3,0,0,0,0,0,1,40&clamp=7",
         "camera=1,2,3,0,0,0,0,0,1,40&aov=depth", "camera=1,2,3,0,0,0,0,0,1,40&radius=0.1",
+        "camera=1,2,3,0,0,0,0,0,1,40&radius_clamp=0.5", "camera=1,2,3,0,0,0,0,0,1,40&radius_clamp=0",
         "camera=1,2,3,0,0,0,0,0,1,40&rounding=none", "camera=1,2,3,0,0,0,0,0,1,40&rounding=mesh:8"})
     EXPECT_NE(base, digest(kGood, query)) << query;
   for (const char* path : {"/65x64/0,0,64,64/0-1.png", "/64x65/0,0,64,64/0-1.png", "/64x64/1,0,63,64/0-1.png",

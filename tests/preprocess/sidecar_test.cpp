@@ -5,6 +5,7 @@
 #include "tests/oracle/convex_families.h"
 #include "tests/support/mesh_of.h"
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -60,6 +61,7 @@ TEST_F(SidecarTest, ComesBackAsItWas) {
   EXPECT_EQ(a.solidCount(), b.solidCount());
   EXPECT_TRUE(std::ranges::equal(a.spheres, b.spheres));
   EXPECT_TRUE(std::ranges::equal(a.facetOfTriangle, b.facetOfTriangle));
+  EXPECT_EQ(read->options(), result_.rounding->options());
   EXPECT_GT(b.treeNodes.size(), 0u) << "the prism's caps have 40 cylinders each";
 }
 
@@ -94,6 +96,64 @@ TEST_F(SidecarTest, AnotherMeshMakesItStale) {
   EXPECT_EQ(refusal(bytesOf(folder_ / "a.chamfer"), &other), ErrorKind::StaleSidecar);
 }
 
+TEST_F(SidecarTest, KeepsTheOptionsThatItWasMadeWith) {
+  PreprocessOptions options;
+  options.radius = parseRadius("3%");
+  options.tolerances = {1e-5, 2e-4, 3e-3};
+  options.clamp = 0.7;
+  options.onNonConvex = OnNonConvex::Hull;
+  const auto made = preprocess(meshOf(oracle::cube()), options);
+  writeSidecar(folder_ / "a.chamfer", *made.rounding);
+  const RoundingOptions kept = readSidecar(folder_ / "a.chamfer")->options();
+  EXPECT_EQ(kept, (RoundingOptions{0.03, true, OnNonConvex::Hull, 1e-5, 2e-4, 3e-3, 0.7}));
+  const PreprocessOptions again = optionsOf(kept);
+  EXPECT_EQ(recordOf(again), kept);
+}
+
+TEST_F(SidecarTest, OptionsOutOfRangeAreDamage) {
+  const auto refused = [&](auto&& change) {
+    RoundingOptions options = result_.rounding->options();
+    change(options);
+    const RoundingView& v = result_.rounding->view();
+    RoundingArrays a;
+    a.solids.assign(v.solids.end() - 1, v.solids.end());
+    a.solids[0] = {};
+    writeSidecar(folder_ / "a.chamfer", *makeRounding(std::move(a), {}, options));
+    return refusal(bytesOf(folder_ / "a.chamfer")) == ErrorKind::DamagedSidecar;
+  };
+  EXPECT_FALSE(refused([](RoundingOptions&) {}));
+  EXPECT_TRUE(refused([](RoundingOptions& o) { o.radius = 0; }));
+  EXPECT_TRUE(refused([](RoundingOptions& o) { o.radius = INFINITY; }));
+  EXPECT_TRUE(refused([](RoundingOptions& o) { o.weld = -1e-9; }));
+  EXPECT_TRUE(refused([](RoundingOptions& o) { o.planarity = NAN; }));
+  EXPECT_TRUE(refused([](RoundingOptions& o) { o.convexity = 0.2; }));
+  EXPECT_TRUE(refused([](RoundingOptions& o) { o.clamp = 1; }));
+  EXPECT_TRUE(refused([](RoundingOptions& o) { o.onNonConvex = OnNonConvex(3); }));
+}
+
+TEST_F(SidecarTest, AnOlderLayoutIsNamedWithTheCommandThatMakesItAnew) {
+  // Version 1: without the 48 bytes of options, and with its own checksum of the header.
+  writeSidecar(folder_ / "cube.obj.chamfer", *result_.rounding);
+  auto bytes = bytesOf(folder_ / "cube.obj.chamfer");
+  bytes.erase(bytes.begin() + 32, bytes.begin() + 80);
+  bytes[8] = std::byte(1);
+  const std::uint64_t sum = checksumOf(std::span(bytes).first(160));
+  std::memcpy(bytes.data() + 160, &sum, sizeof sum);
+  std::ofstream(folder_ / "cube.obj.chamfer", std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+  for (const auto& load : {readSidecar, loadSidecar})
+    try {
+      load(folder_ / "cube.obj.chamfer", nullptr);
+      FAIL() << "accepted";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::StaleSidecar);
+      EXPECT_NE(std::string(e.what()).find("older chamferprep"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("chamferprep cube.obj --radius"), std::string::npos) << e.what();
+    }
+  bytes[40] ^= std::byte(1);
+  EXPECT_EQ(refusal(bytes), ErrorKind::DamagedSidecar) << "an older one that is damaged is damaged";
+}
+
 TEST_F(SidecarTest, WrongIndicesAreFoundBehindRightChecksums) {
   // Each change keeps the file well formed; only the invariants tell.
   const auto refused = [&](auto&& change) {
@@ -109,7 +169,7 @@ TEST_F(SidecarTest, WrongIndicesAreFoundBehindRightChecksums) {
     a.facetOfTriangle.assign(v.facetOfTriangle.begin(), v.facetOfTriangle.end());
     change(a);
     const auto path = folder_ / "changed.chamfer";
-    writeSidecar(path, *makeRounding(std::move(a), {}));
+    writeSidecar(path, *makeRounding(std::move(a), {}, result_.rounding->options()));
     return refusal(bytesOf(path)) == ErrorKind::DamagedSidecar;
   };
   EXPECT_FALSE(refused([](RoundingArrays&) {}));

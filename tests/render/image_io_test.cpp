@@ -73,16 +73,17 @@ TEST(F16, RoundsToNearestEvenOverTheWholeRange) {
   for (unsigned h = 0; h < 0x7c00; ++h) {
     const double a = fromHalf(std::uint16_t(h)), b = h < 0x7bff ? fromHalf(std::uint16_t(h + 1)) : 65536;
     ASSERT_EQ(throughF16(float(a)), a) << h;
-    const double even = h % 2 ? (h < 0x7bff ? b : INFINITY) : a;
+    const double even = h % 2 && h < 0x7bff ? b : a;
     const auto middle = float((a + b) / 2);
     ASSERT_EQ(throughF16(middle), even) << h;
     ASSERT_EQ(throughF16(std::nextafter(middle, 0.f)), a) << h;
     ASSERT_EQ(throughF16(-float(a)), -a) << h;
   }
   EXPECT_EQ(throughF16(65504), 65504);
-  EXPECT_EQ(throughF16(1e30f), INFINITY);
-  EXPECT_EQ(throughF16(-INFINITY), -INFINITY);
+  EXPECT_EQ(throughF16(1e30f), 65504) << "a finite number stays one";
+  EXPECT_EQ(throughF16(-INFINITY), -65504);
   EXPECT_TRUE(std::isnan(throughF16(NAN)));
+  EXPECT_EQ(beyondHalf({2, 1, {65504, 65519, 65520, 1, -1e9f, INFINITY, 0, 1}}), 3u);
 }
 
 TEST(Png, IsSRgbAndDeterministic) {
@@ -145,13 +146,16 @@ TEST(ReadTexture, DecodesByTheKindOfItsPixels) {
   const Image image{2, 2, {0.18f, 0.5f, 0, 1, 1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1}};
   writeImage(folder.path() / "a.png", image);
   writeImage(folder.path() / "a.exr", image);
-  const Texture png = readTexture(folder.path() / "a.png", PixelEncoding::Automatic, "a.png");
+  std::vector<std::string> warnings;
+  const Texture png = readTexture(folder.path() / "a.png", PixelEncoding::Automatic, "a.png", warnings);
   EXPECT_NEAR(png.pixel(0, 0).r, 0.18, 2e-3);
   EXPECT_EQ(png.pixel(1, 0), (Color{1, 0, 0}));
   EXPECT_EQ(png.pixel(0, 1), (Color{0, 1, 0}));
-  const Texture raw = readTexture(folder.path() / "a.png", PixelEncoding::Linear, "a.png");
+  const Texture raw = readTexture(folder.path() / "a.png", PixelEncoding::Linear, "a.png", warnings);
   EXPECT_NEAR(raw.pixel(0, 0).r, 118 / 255.0, 1e-6);
-  EXPECT_EQ(readTexture(folder.path() / "a.exr", PixelEncoding::Automatic, "a").pixel(0, 0).r, 0.18f);
+  EXPECT_EQ(readTexture(folder.path() / "a.exr", PixelEncoding::Automatic, "a", warnings).pixel(0, 0).r,
+            0.18f);
+  EXPECT_THAT(warnings, testing::IsEmpty());
   EXPECT_FALSE(png.contentDigest() == raw.contentDigest());
   // v runs up, and the image repeats.
   EXPECT_EQ(png.at(0.75f, 0.75f), (Color{1, 0, 0}));
@@ -159,16 +163,38 @@ TEST(ReadTexture, DecodesByTheKindOfItsPixels) {
   EXPECT_NEAR(png.at(0.5f, 0.25f).g, 0.5, 1e-6) << "between two pixels";
 }
 
+TEST(ReadTexture, ReplacesWhatIsNoLightAndNamesTheFirst) {
+  const TemporaryFolder folder;
+  const auto read = [&](const Image& image, std::vector<std::string>& warnings) {
+    writeImage(folder.path() / "a.exr", image);
+    return readTexture(folder.path() / "a.exr", PixelEncoding::Automatic, "a.exr", warnings);
+  };
+  std::vector<std::string> warnings;
+  const Texture t =
+      read({2, 2, {0, 0, 0, 1, -0.5f, 2, 0.25f, 1, INFINITY, 1, 1e20f, 1, NAN, 1, 1, 1}}, warnings);
+  EXPECT_EQ(t.pixel(0, 0), (Color{0, 0, 0}));
+  EXPECT_EQ(t.pixel(1, 0), (Color{0, 2, 0.25f}));
+  EXPECT_EQ(t.pixel(0, 1), (Color{65504, 1, 1e9f}));
+  EXPECT_EQ(t.pixel(1, 1), (Color{0, 1, 1}));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], testing::StartsWith("\"a.exr\": 3 pixels are negative or not finite"));
+  EXPECT_THAT(warnings[0],
+              HasSubstr("pixel 1,0 (column, row from the top) is (-0.5 2 0.25), (0 2 0.25) is used"));
+  warnings.clear();
+  read({1, 1, {50000, 0, 1e8f, 1}}, warnings);
+  EXPECT_THAT(warnings, testing::IsEmpty()) << "a bright sun is light";
+}
+
 TEST(ReadTexture, RefusesWhatIsNotAnImage) {
   const TemporaryFolder folder;
   folder.write("text.png", "not an image");
+  std::vector<std::string> warnings;
   const auto thrown = [&](const char* name) {
-    return test::thrownBy([&] { readTexture(folder.path() / name, PixelEncoding::Automatic, name); });
+    return test::thrownBy(
+        [&] { readTexture(folder.path() / name, PixelEncoding::Automatic, name, warnings); });
   };
   EXPECT_THAT(thrown("text.png"), testing::StartsWith("malformed: \"text.png\""));
   EXPECT_THAT(thrown("none.png"), testing::StartsWith("not-found: "));
-  writeImage(folder.path() / "negative.exr", {2, 1, {0, 0, 0, 1, -1, 0, 0, 1}});
-  EXPECT_THAT(thrown("negative.exr"), HasSubstr("pixel 1,0 is negative"));
   const auto bytes = encodeExr(testImage());
   writeBytes(folder.path() / "cut.exr", {bytes.begin(), bytes.begin() + std::ptrdiff_t(bytes.size() - 60)});
   EXPECT_THAT(thrown("cut.exr"), testing::StartsWith("malformed: \"cut.exr\""));

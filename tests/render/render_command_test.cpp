@@ -34,7 +34,8 @@ TEST(RenderCommand, WritesThePictureThatRenderTileGives) {
   o.target = Point3(0, 0, 0);
   o.vfovDegrees = 25;
   EXPECT_EQ(runRenderCommand(o), 0);
-  const Texture written = readTexture(o.output, PixelEncoding::Automatic, "a.exr");
+  std::vector<std::string> warnings;
+  const Texture written = readTexture(o.output, PixelEncoding::Automatic, "a.exr", warnings);
   const auto scene = loadScene(o.scene, folder.path(), "cube");
   RenderSettings s;
   s.width = 32;
@@ -48,6 +49,32 @@ TEST(RenderCommand, WritesThePictureThatRenderTileGives) {
   for (unsigned i = 0; i < 32 * 18; ++i)
     ASSERT_EQ(written.pixel(i % 32, i / 32),
               (Color{image.rgba[4 * i], image.rgba[4 * i + 1], image.rgba[4 * i + 2]}));
+}
+
+TEST(RenderCommand, ABareMeshMayBeYUp) {
+  const TemporaryFolder folder;
+  RenderCommandOptions o = optionsFor(folder, "a.exr");
+  o.eye = Point3(9, -9, 9);
+  o.target = Point3(0, 0, 1);
+  const auto picture = [&](const Point3& lower, const Point3& upper, std::optional<UpAxis> up) {
+    o.scene = folder.write("box.obj", test::boxObj(lower, upper));
+    o.upAxis = up;
+    EXPECT_EQ(runRenderCommand(o), 0);
+    std::vector<std::string> warnings;
+    return readTexture(o.output, PixelEncoding::Automatic, "a.exr", warnings);
+  };
+  const Texture upright = picture({0, -2, 0}, {1, 0, 3}, {});
+  const auto differing = [&](const Texture& other) {
+    int count = 0;
+    for (unsigned i = 0; i < 32 * 18; ++i)
+      count += std::abs(other.pixel(i % 32, i / 32).g - upright.pixel(i % 32, i / 32).g) > 1e-3f;
+    return count;
+  };
+  EXPECT_LE(differing(picture({0, 0, 0}, {1, 3, 2}, UpAxis::Y)), 3); // y to z, z to -y
+  EXPECT_GT(differing(picture({0, 0, 0}, {1, 3, 2}, UpAxis::Z)), 30);
+  o.scene = folder.write("s.scene.json", "{}");
+  o.upAxis = UpAxis::Y;
+  EXPECT_THAT(thrownBy([&] { runRenderCommand(o); }), StartsWith("usage: --up-axis is for a bare mesh"));
 }
 
 TEST(RenderCommand, ReportsAsJsonWhatItTook) {

@@ -162,20 +162,36 @@ TEST(CameraRays, StartAllOverTheApertureAndMeetInFocus) {
   EXPECT_GT(result.pValue, kSignificance) << result.text();
 }
 
-TEST(AlbedoTable, LimitsAndMeans) {
-  const AlbedoTable& table = AlbedoTable::instance();
-  EXPECT_NEAR(table.directional(1, 0).at(0.04f), 0.04, 1e-6) << "a mirror seen head-on reflects f0";
-  EXPECT_NEAR(table.directional(0.5f, 0.1f).at(1), 1, 1e-3) << "smooth metals lose next to nothing";
-  for (const float roughness : {0.f, 0.33f, 0.7f, 1.f}) {
-    double mean = 0;
-    for (int i = 0; i < 10000; ++i) {
-      const float mu = (float(i) + 0.5f) / 10000;
-      const float e = table.directional(mu, roughness).at(0.04f);
-      EXPECT_TRUE(e > 0 && e <= 1);
-      mean += 2.0 * mu * e / 10000;
-    }
-    EXPECT_NEAR(table.average(roughness).at(0.04f), mean, 1e-5) << roughness;
+/// Cosine-weighted mean of `e` by the midpoint rule.
+template <class F>
+double cosineMean(F&& e) {
+  double mean = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const float mu = (float(i) + 0.5f) / 10000;
+    EXPECT_TRUE(e(mu) > 0 && e(mu) <= 1);
+    mean += 2.0 * double(mu * e(mu)) / 10000;
   }
+  return mean;
+}
+
+TEST(AlbedoTable, LimitsAndMeans) {
+  EXPECT_NEAR(ReflectionAlbedo(0).directional(1).at(0.04f), 0.04, 1e-6)
+      << "a mirror seen head-on reflects f0";
+  EXPECT_NEAR(ReflectionAlbedo(0.1f).directional(0.5f).at(1), 1, 1e-3)
+      << "smooth metals lose next to nothing";
+  for (const float roughness : {0.f, 0.33f, 0.7f, 1.f}) {
+    const ReflectionAlbedo coat(roughness);
+    EXPECT_NEAR(coat.average().at(0.04f),
+                cosineMean([&](float mu) { return coat.directional(mu).at(0.04f); }), 1e-5)
+        << roughness;
+    for (const float eta : {1.01f, 1.5f, 1 / 1.5f, 4.f, 0.25f}) {
+      const GlassAlbedo glass(roughness, eta), back(roughness, 1 / eta);
+      EXPECT_NEAR(glass.nearAverage(), cosineMean([&](float mu) { return glass.near(mu); }), 1e-5) << eta;
+      EXPECT_NEAR(glass.farAverage(), cosineMean([&](float mu) { return glass.far(mu); }), 1e-5) << eta;
+      EXPECT_NEAR(back.near(0.4f), glass.far(0.4f), 1e-5) << "the same surface, seen from behind";
+    }
+  }
+  EXPECT_NEAR(GlassAlbedo(0.5f, 1.5f).thinFresnelAverage(), 0.0918, 5e-4); // in closed form 0.09178
 }
 
 } // namespace

@@ -71,8 +71,16 @@ TEST(SceneDescription, ReadsEveryKindOfLightAndRelativeRadii) {
   EXPECT_EQ(d.environment->up, Vector3(0, 1, 0));
   const SceneDescription r =
       parseSceneDescription(sceneWith("meshes", R"([{"name":"cube","file":"a.obj","radius":"2%"},
-        {"name":"lamp","file":"b.obj","rounding":false}])"),
+        {"name":"lamp","file":"b.obj","rounding":false},{"name":"wall","file":"c.obj","radius_world":0.03,
+         "radius_clamp":0.9,"up_axis":"y","on_nonconvex":"hull"}])"),
                             "s");
+  EXPECT_FALSE(r.meshes[0].worldRadius || r.meshes[0].radiusClamp || r.meshes[0].onNonConvex);
+  EXPECT_EQ(r.meshes[0].up, UpAxis::Z);
+  EXPECT_TRUE(r.meshes[2].worldRadius);
+  EXPECT_EQ(r.meshes[2].radius->value, 0.03);
+  EXPECT_EQ(r.meshes[2].radiusClamp, 0.9);
+  EXPECT_EQ(r.meshes[2].onNonConvex, OnNonConvex::Hull);
+  EXPECT_EQ(r.meshes[2].up, UpAxis::Y);
   EXPECT_TRUE(r.meshes[0].radius->relative);
   EXPECT_DOUBLE_EQ(r.meshes[0].radius->value, 0.02);
   EXPECT_TRUE(r.meshes[1].staysSharp);
@@ -104,6 +112,18 @@ INSTANTIATE_TEST_SUITE_P(
                     "wide"},
         FaultyScene{"meshes:[{\"name\":\"c\",\"file\":\"a\",\"radius\":1,\"rounding\":false}]",
                     "meshes[0].radius", "no radius"},
+        FaultyScene{"meshes:[{\"name\":\"c\",\"file\":\"a\",\"radius\":1,\"radius_world\":1}]",
+                    "meshes[0].radius_world", "beside \"radius\""},
+        FaultyScene{"meshes:[{\"name\":\"c\",\"file\":\"a\",\"radius_world\":\"2%\"}]",
+                    "meshes[0].radius_world", "must be a number"},
+        FaultyScene{"meshes:[{\"name\":\"c\",\"file\":\"a\",\"radius_world\":1,\"rounding\":false}]",
+                    "meshes[0].radius_world", "no radius"},
+        FaultyScene{"meshes:[{\"name\":\"c\",\"file\":\"a\",\"radius_clamp\":1}]", "meshes[0].radius_clamp",
+                    "at most 0.999, is 1"},
+        FaultyScene{"meshes:[{\"name\":\"c\",\"file\":\"a\",\"up_axis\":\"x\"}]", "meshes[0].up_axis",
+                    "\"y\" or \"z\", is \"x\""},
+        FaultyScene{"instances:[{\"mesh\":\"cube\",\"scale\":1e-200}]", "instances[0].scale",
+                    "a scale of 1e-200 has no inverse"},
         FaultyScene{"meshes:[{\"name\":\"c\",\"file\":\"a\",\"rounding\":1}]", "meshes[0].rounding",
                     "true or false"},
         FaultyScene{"meshes:[{\"name\":\"c\",\"file\":\"a\",\"on_nonconvex\":\"drop\"}]",

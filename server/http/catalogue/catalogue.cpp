@@ -37,8 +37,9 @@ const char* sceneStateWord(SceneState state) {
   return "";
 }
 
-Catalogue::Catalogue(const fs::path& root, std::chrono::milliseconds rescan, std::size_t memory)
-    : root_(canonicalFolder(root)), rescan_(rescan), memory_(memory) {}
+Catalogue::Catalogue(const fs::path& root, std::chrono::milliseconds rescan, std::size_t memory,
+                     UpAxis meshUp)
+    : root_(canonicalFolder(root)), rescan_(rescan), memory_(memory), meshUp_(meshUp) {}
 
 Catalogue::~Catalogue() {
   {
@@ -124,7 +125,7 @@ Catalogue::Entry Catalogue::load(const FoundScene& found, const Entry& before) c
   auto entry = std::make_shared<CatalogueEntry>();
   entry->name = found.name;
   try {
-    entry->scene = loadScene(found.file, root_, found.name);
+    entry->scene = loadScene(found.file, root_, found.name, meshUp_);
     entry->bytes = memoryBytes(*entry->scene);
     checkMemory(*entry);
     entry->state = SceneState::Ready;

@@ -41,9 +41,9 @@ class Catalogue {
 public:
   /// Throws Error(NotFound) when `root` is not a folder. `rescan`: how often files are looked at again; 0:
   /// never. `memory`: bytes that all scenes together may take; one that does not fit is not ready, and says
-  /// so.
+  /// so. `meshUp`: as loadScene()'s.
   Catalogue(const std::filesystem::path& root, std::chrono::milliseconds rescan,
-            std::size_t memory = SIZE_MAX);
+            std::size_t memory = SIZE_MAX, UpAxis meshUp = UpAxis::Z);
   ~Catalogue();
   Catalogue(const Catalogue&) = delete;
   Catalogue& operator=(const Catalogue&) = delete;
@@ -79,6 +79,7 @@ private:
   const std::filesystem::path root_;
   const std::chrono::milliseconds rescan_;
   const std::size_t memory_;
+  const UpAxis meshUp_;
   std::atomic<bool> loaded_ = false, stopping_ = false;
   mutable std::mutex mutex_;
   std::condition_variable wake_;

@@ -13,7 +13,8 @@ constexpr std::chrono::milliseconds kPoll{50};
 
 std::string keyOf(const Scene& scene, const RoundingChoice& choice) {
   return scene.id.hex() + '|' + roundingWord(choice) + '|' +
-         (choice.radius ? numberText(*choice.radius) : "");
+         (choice.radius ? numberText(*choice.radius) : "") + '|' +
+         (choice.radiusClamp ? numberText(*choice.radiusClamp) : "");
 }
 
 } // namespace

@@ -34,6 +34,19 @@ bool sheared(const Transform& t) {
   return !square(x, y) || !square(y, z) || !square(z, x);
 }
 
+/// What positions of a mesh far from its origin are relative to, so that float32 keeps its shape. Zero for
+/// the others, whose numbers then stay the file's.
+Point3 localOrigin(const TriangleMesh& mesh, const Transform* world) {
+  constexpr double kFar = 16; // in diagonals
+  Bounds3 bounds;
+  for (const Point3& p : mesh.positions)
+    bounds.extend(world ? (*world)(p) : p);
+  if (bounds.empty()) return {};
+  const Point3 centre = bounds.centre();
+  const double off = std::max({std::abs(centre.x), std::abs(centre.y), std::abs(centre.z)});
+  return off > kFar * bounds.diagonal() ? centre : Point3();
+}
+
 std::size_t geometryBytes(const TriangleMesh& mesh) {
   return mesh.positions.size() * 3 * sizeof(float) + mesh.triangles.size() * 3 * sizeof(std::uint32_t);
 }
@@ -80,6 +93,7 @@ private:
     std::uint32_t material;
   };
   struct Geometry {
+    Point3 origin; ///< of the positions, in the mesh's frame or the world's
     int positions, indexView;
     std::vector<Part> parts;
     std::size_t indexCount;
@@ -125,11 +139,14 @@ private:
     tinygltf::Node node;
     node.name = "instance " + std::to_string(i);
     if (sheared(t)) {
-      node.mesh = addMesh(addGeometry(source.mesh, &t), source);
+      const Geometry geometry = addGeometry(source.mesh, &t);
+      node.mesh = addMesh(geometry, source);
+      if (const Point3& o = geometry.origin; !(o == Point3()))
+        node.matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, o.x, o.y, o.z, 1};
     } else {
       node.mesh = sharedMesh(source);
       const Vector3 x = t(Vector3(1, 0, 0)), y = t(Vector3(0, 1, 0)), z = t(Vector3(0, 0, 1));
-      const Point3 origin = t(Point3(0, 0, 0));
+      const Point3 origin = t(geometries_[source.mesh].origin);
       node.matrix = {x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, z.x, z.y, z.z, 0, origin.x, origin.y, origin.z, 1};
     }
     model_.nodes[0].children.push_back(static_cast<int>(model_.nodes.size()));
@@ -179,6 +196,7 @@ private:
       return materials.empty() ? SceneData::kDefaultMaterial : materials[triangle];
     };
     Geometry geometry;
+    geometry.origin = localOrigin(mesh, world);
 
     tinygltf::Accessor positions;
     positions.minValues = {INFINITY, INFINITY, INFINITY};
@@ -186,7 +204,7 @@ private:
     std::vector<float> numbers;
     numbers.reserve(mesh.positions.size() * 3);
     for (const Point3& position : mesh.positions) {
-      const Point3 p = world ? (*world)(position) : position;
+      const Vector3 p = (world ? (*world)(position) : position) - geometry.origin;
       const float point[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
       for (std::size_t c = 0; c < 3; ++c) {
         numbers.push_back(point[c]);

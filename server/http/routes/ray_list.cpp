@@ -32,9 +32,10 @@ public:
   bool number_float(number_float_t value, const string_t& text) override { return number(value, text); }
   bool string(string_t& value) override {
     if (depth_ == 1 && key_ == "rounding") {
-      const std::optional<double> radius = list.rounding.radius;
+      const RoundingChoice before = list.rounding;
       list.rounding = parseRoundingWord(value);
-      list.rounding.radius = radius;
+      list.rounding.radius = before.radius;
+      list.rounding.radiusClamp = before.radiusClamp;
       return true;
     }
     return scalar("\"" + value + "\"");
@@ -53,8 +54,9 @@ public:
   bool key(string_t& name) override {
     if (!keys_.insert(name).second)
       refuse(400, name, name, "the key \"" + name + "\" is given more than once");
-    if (name != "rays" && name != "rounding" && name != "radius" && name != "tnear")
-      refuse(400, name, name, "there is no key \"" + name + "\"; known: rays, rounding, radius, tnear");
+    if (name != "rays" && name != "rounding" && name != "radius" && name != "radius_clamp" && name != "tnear")
+      refuse(400, name, name,
+             "there is no key \"" + name + "\"; known: rays, rounding, radius, radius_clamp, tnear");
     key_ = name;
     return true;
   }
@@ -142,6 +144,11 @@ private:
       list.rounding.radius = value;
       return true;
     }
+    if (depth_ == 1 && key_ == "radius_clamp") {
+      checkNumber(parameterRow("radius_clamp"), value);
+      list.rounding.radiusClamp = value;
+      return true;
+    }
     if (depth_ == 1 && key_ == "tnear") {
       checkNumber(parameterRow("tnear"), value);
       list.tnear = value;
@@ -221,7 +228,10 @@ RayList parseRayList(std::string_view body) {
     problem.parameter = "rays";
     throw ProblemError(problem);
   }
-  if (reader.list.rounding.mode == RoundingMode::None) reader.list.rounding.radius.reset();
+  if (reader.list.rounding.mode == RoundingMode::None) {
+    reader.list.rounding.radius.reset();
+    reader.list.rounding.radiusClamp.reset();
+  }
   return std::move(reader.list);
 }
 

@@ -1,5 +1,5 @@
 // The body of POST /v1/scenes/{scene}/rays and its answer.
-//   {"rays":[[ox,oy,oz,dx,dy,dz],...], "rounding":"analytic", "radius":r?, "tnear":0?}
+//   {"rays":[[ox,oy,oz,dx,dy,dz],...], "rounding":"analytic", "radius":r?, "radius_clamp":c?, "tnear":0?}
 //   {"hits":[{"t":..,"position":[..],"normal":[..],"feature":"flat|cylinder|sphere","instance":i,"solid":s,
 //             "triangle":k}, null, ...]}
 #pragma once

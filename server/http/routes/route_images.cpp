@@ -57,6 +57,8 @@ Response imageRoute(const Parts& parts, const Request& request, const std::share
   response.headers.emplace_back("X-Chamfer-Rays", std::to_string(rays.rays()));
   response.headers.emplace_back("X-Chamfer-Hits", std::to_string(rays.hits()));
   response.headers.emplace_back("X-Chamfer-Rounded", std::to_string(rays.roundedHits()));
+  if (const std::size_t beyond = wanted.format == ImageFormat::F16 ? beyondHalf(result.image) : 0; beyond > 0)
+    response.headers.emplace_back("X-Chamfer-Saturated", std::to_string(beyond));
   if (rays.nonFiniteSamples > 0) {
     response.headers.emplace_back("X-Chamfer-Non-Finite", std::to_string(rays.nonFiniteSamples));
     logMessage(LogLevel::Warning, "request " + request.id + ": " + std::to_string(rays.nonFiniteSamples) +

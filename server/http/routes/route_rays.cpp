@@ -56,8 +56,8 @@ void checkContentType(const Request& request) {
 Response raysRoute(const Parts& parts, const Request& request, const CatalogueEntry& entry) {
   checkContentType(request);
   if (!request.query.empty())
-    throw ProblemError(
-        badRequest("this resource takes no query; rounding, radius and tnear are keys of the body"));
+    throw ProblemError(badRequest(
+        "this resource takes no query; rounding, radius, radius_clamp and tnear are keys of the body"));
   const auto scene = readyScene(entry);
   const RayList list = parseRayList(request.body);
 

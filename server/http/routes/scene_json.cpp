@@ -1,10 +1,10 @@
 #include "server/http/routes/scene_json.h"
 
 #include "server/http/routes/problem.h"
+#include "server/render/cli/render_words.h"
 #include "server/render/scene/scene_data.h"
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 namespace chamfer::http {
@@ -17,18 +17,11 @@ Json triple(const Triple& t) {
   return Json::array({t.x, t.y, t.z});
 }
 
-/// A float as the shortest number that reads back as it: 0.1, not 0.10000000149011612.
-double plain(float value) {
-  char text[32];
-  double number = 0;
-  std::from_chars(text, std::to_chars(text, text + sizeof text, value).ptr, number);
-  return number;
-}
-Json triple(const Color& c) { return Json::array({plain(c.r), plain(c.g), plain(c.b)}); }
+Json triple(const Color& c) { return Json::array({plainNumber(c.r), plainNumber(c.g), plainNumber(c.b)}); }
 Json knownLength(double length) { return length > 0 ? Json(length) : Json(); }
 /// Radii in use come from float32 storage, largest ones from double arithmetic.
 Json radiusJson(double current, double max) {
-  return {{"current", current > 0 ? Json(plain(static_cast<float>(current))) : Json()},
+  return {{"current", current > 0 ? Json(plainNumber(static_cast<float>(current))) : Json()},
           {"max", knownLength(max)}};
 }
 
@@ -60,11 +53,11 @@ Json textureJson(const SceneData& data, std::uint32_t texture) {
 Json materialJson(const SceneData& data, const Material& material) {
   return {{"name", material.name},
           {"base_color", triple(material.baseColor)},
-          {"roughness", plain(material.roughness)},
-          {"metallic", plain(material.metallic)},
-          {"specular", plain(material.specular)},
-          {"transmission", plain(material.transmission)},
-          {"ior", plain(material.ior)},
+          {"roughness", plainNumber(material.roughness)},
+          {"metallic", plainNumber(material.metallic)},
+          {"specular", plainNumber(material.specular)},
+          {"transmission", plainNumber(material.transmission)},
+          {"ior", plainNumber(material.ior)},
           {"emission", triple(material.emission)},
           {"absorption", triple(material.absorption)},
           {"base_color_texture", textureJson(data, material.baseColorTexture)},

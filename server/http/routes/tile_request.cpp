@@ -95,6 +95,8 @@ void parseQueryInto(std::string_view text, TileRequest& request) {
       request.rounding.count = choice.count;
     } else if (name == "radius")
       request.rounding.radius = readNumber(parameterRow("radius"), value);
+    else if (name == "radius_clamp")
+      request.rounding.radiusClamp = readNumber(parameterRow("radius_clamp"), value) + 0.0; // no minus zero
     else if (name == "seed")
       request.settings.seed = readInteger(parameterRow("seed"), value);
     else if (name == "bounces")
@@ -115,7 +117,10 @@ void parseQueryInto(std::string_view text, TileRequest& request) {
     }
   }
   // The sharp mesh has no radius: one spelling for it.
-  if (request.rounding.mode == RoundingMode::None) request.rounding.radius.reset();
+  if (request.rounding.mode == RoundingMode::None) {
+    request.rounding.radius.reset();
+    request.rounding.radiusClamp.reset();
+  }
 }
 
 void checkWork(const TileRequest& request, std::uint64_t maxPixels) {
@@ -233,6 +238,7 @@ Digest answerDigest(const Digest& scene, const TileRequest& request) {
   text += std::string("|") + formatWord(request.format) + '|' + aovWord(s.aov) + '|' +
           roundingWord(request.rounding);
   text += '|' + (request.rounding.radius ? numberText(*request.rounding.radius) : std::string());
+  if (request.rounding.radiusClamp) text += "|radius clamp " + numberText(*request.rounding.radiusClamp);
   if (s.indirectClamp > 0) text += "|clamp " + numberText(double(s.indirectClamp));
   if (s.camera) {
     const Camera& c = *s.camera;

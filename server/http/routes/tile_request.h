@@ -1,5 +1,5 @@
 // What a tile's or frame's URL asks for: the parser of
-//   tiles/{W}x{H}/{x},{y},{w},{h}/{s0}-{s1}.{f16|exr|png}?camera=..&rounding=..&radius=..&seed=..&bounces=..&clamp=..&aov=..
+//   tiles/{W}x{H}/{x},{y},{w},{h}/{s0}-{s1}.{f16|exr|png}?camera=..&rounding=..&radius=..&radius_clamp=..&seed=..&bounces=..&clamp=..&aov=..
 //   frames/{W}x{H}/{s0}-{s1}.{exr|png}?...
 // camera = ex,ey,ez,tx,ty,tz,ux,uy,uz,vfov[,aperture,focus]: eye, target and up in world units, the vertical
 // field of view in degrees, and for a thin lens the aperture's diameter and the focus distance (0: distance

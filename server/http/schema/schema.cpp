@@ -43,6 +43,10 @@ constexpr ParameterRow kRows[] = {
     {"N", "rounding", ParameterKind::Integer, "probes", "", 1, 256, false, "", "of bevel:N at every hit"},
     {"radius", "query, body", ParameterKind::Number, "mesh units", "the sidecar's", 0, kMaxCoordinate, true,
      "", "rounding radius; it must be below radius.max of the scene"},
+    {"radius_clamp", "query, body", ParameterKind::Number, "share of a solid's inradius", "the sidecar's", 0,
+     kMostClamp, false, "",
+     "no solid is rounded by more than this share of its own inradius, so that no radius is too large; 0: "
+     "none"},
     {"seed", "query", ParameterKind::Integer, "", "0", 0, 4294967295.0, false, "", "of the sampler"},
     {"bounces", "query", ParameterKind::Integer, "", "8", 0, 64, false, "",
      "longest path, in scattering events"},

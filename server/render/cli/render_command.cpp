@@ -59,6 +59,10 @@ int runRenderCommand(const RenderCommandOptions& o) {
   checkOutput(o.output);
   RoundingChoice choice = parseRounding(o.rounding);
   choice.radius = o.radius;
+  choice.radiusClamp = o.radiusClamp;
+  if (o.upAxis && o.scene.extension() == ".json")
+    throw Error(ErrorKind::Usage, "--up-axis is for a bare mesh; a scene file says it of each of its meshes: "
+                                  "\"up_axis\": \"y\"");
   RenderSettings settings;
   settings.width = o.width;
   settings.height = o.height;
@@ -74,7 +78,7 @@ int runRenderCommand(const RenderCommandOptions& o) {
     const auto now = Clock::now();
     return std::chrono::duration<double>(now - std::exchange(begin, now)).count();
   };
-  const auto scene = loadScene(o.scene, o.root, o.scene.stem().string());
+  const auto scene = loadScene(o.scene, o.root, o.scene.stem().string(), o.upAxis.value_or(UpAxis::Z));
   settings.camera = cameraOf(o, scene->camera);
   times.load = lap();
   const auto prepared = prepare(scene, choice, o.threads);

@@ -21,6 +21,8 @@ struct RenderCommandOptions {
   std::string rounding = "analytic"; ///< parseRounding()'s words
   std::string aov = "beauty";        ///< parseAov()'s words
   std::optional<double> radius;      ///< mesh units; nothing: the sidecar's
+  std::optional<double> radiusClamp; ///< share of each solid's inradius; nothing: the sidecar's
+  std::optional<UpAxis> upAxis;      ///< of a bare mesh; nothing: z
   std::optional<Point3> eye, target; ///< nothing: the scene's camera
   std::optional<Vector3> up;
   std::optional<double> vfovDegrees;

@@ -76,10 +76,11 @@ std::string reportJson(const RenderReport& r) {
   j["samples_per_pixel"] = s.endSample - s.firstSample;
   j["samples"] = std::uint64_t(sampleCount(s));
   j["bounces"] = s.maxBounces;
-  j["clamp"] = s.indirectClamp;
+  j["clamp"] = plainNumber(s.indirectClamp);
   j["seed"] = s.seed;
   j["rounding"] = roundingWord(r.rounding);
   j["radius"] = r.rounding.radius ? Json(*r.rounding.radius) : Json();
+  j["radius_clamp"] = r.rounding.radiusClamp ? Json(*r.rounding.radiusClamp) : Json();
   j["aov"] = aovWord(s.aov);
   j["seconds"] = {{"load", r.times.load},
                   {"prepare", r.times.prepare},

@@ -28,9 +28,9 @@ struct RenderReport {
 std::string reportText(const RenderReport& report);
 
 /// One object: output, scene, id, width, height, samples_per_pixel, samples (pixels times that), bounces,
-/// clamp, seed, rounding, radius (null: the scene's), aov; seconds {load, prepare, render, write};
-/// samples_per_second and rays_per_second (of the render alone); rays {camera, bounce, shadow, all: {traced,
-/// hits, rounded, rounded_share}}, rounded_share being rounded / traced; triangles (traced, over all
+/// clamp, seed, rounding, radius and radius_clamp (null: the scene's), aov; seconds {load, prepare, render,
+/// write}; samples_per_second and rays_per_second (of the render alone); rays {camera, bounce, shadow, all:
+/// {traced, hits, rounded, rounded_share}}, rounded_share being rounded / traced; triangles (traced, over all
 /// instances), memory_bytes (geometry, hierarchies, roundings, textures, lights), peak_resident_bytes (of the
 /// whole process), non_finite_samples, warnings [text]. Ends with a newline.
 std::string reportJson(const RenderReport& report);

@@ -57,6 +57,13 @@ std::string roundingWord(const RoundingChoice& choice) {
   throw Error(ErrorKind::Internal, "unknown rounding mode");
 }
 
+double plainNumber(float value) {
+  char text[32];
+  double number = 0;
+  std::from_chars(text, std::to_chars(text, text + sizeof text, value).ptr, number);
+  return number;
+}
+
 Aov parseAov(std::string_view text) {
   for (const AovRow& row : kAovs)
     if (text == row.word) return row.aov;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 
@@ -19,12 +20,15 @@ static_assert(std::endian::native == std::endian::little,
 
 constexpr int kMaxTextureSide = 16384;
 
-/// Nearest half-precision number, ties to even; beyond its range infinity, NaN stays NaN.
+/// From here on a number rounds to more than the largest half.
+constexpr float kBeyondHalf = 65520, kLargestHalf = 65504;
+
+/// Nearest half-precision number, ties to even; beyond its range the largest, NaN stays NaN.
 std::uint16_t toHalf(float value) {
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(value), sign = (bits >> 16) & 0x8000u;
   const std::uint32_t magnitude = bits & 0x7fffffffu;
   if (magnitude > 0x7f800000u) return std::uint16_t(sign | 0x7e00u);
-  if (magnitude >= 0x477ff000u) return std::uint16_t(sign | 0x7c00u); // rounds to 65520 or more
+  if (magnitude >= std::bit_cast<std::uint32_t>(kBeyondHalf)) return std::uint16_t(sign | 0x7bffu);
   if (magnitude < 0x38800000u) // below 2^-14: a multiple of 2^-24, rounded by the float unit
     return std::uint16_t(sign |
                          std::uint32_t(std::nearbyint(std::ldexp(std::bit_cast<float>(magnitude), 24))));
@@ -80,6 +84,19 @@ std::vector<std::byte> encode(const char* format, const Image& image, OIIO::Type
   return result;
 }
 
+/// As readTexture() replaces values.
+float withinLight(float v) {
+  constexpr float kMostLight = 1e9f;
+  if (!(v >= 0)) return 0; // NaN, too
+  return std::isinf(v) ? kLargestHalf : std::min(v, kMostLight);
+}
+
+std::string colorText(const Color& c) {
+  char text[64];
+  std::snprintf(text, sizeof text, "(%.6g %.6g %.6g)", double(c.r), double(c.g), double(c.b));
+  return text;
+}
+
 std::string lowerExtension(const std::filesystem::path& path) {
   std::string e = path.extension().string();
   std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return char(std::tolower(c)); });
@@ -99,6 +116,11 @@ std::vector<std::byte> encodeF16(const Image& image, unsigned samples) {
     std::memcpy(bytes.data() + 16 + 2 * i, &half, 2);
   }
   return bytes;
+}
+
+std::size_t beyondHalf(const Image& image) {
+  return std::size_t(std::count_if(image.rgba.begin(), image.rgba.end(),
+                                   [](float v) { return std::abs(v) >= kBeyondHalf; }));
 }
 
 std::vector<std::byte> encodePng(const Image& image) {
@@ -135,7 +157,8 @@ void writeImage(const std::filesystem::path& path, const Image& image) {
   }
 }
 
-Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, const std::string& name) {
+Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, const std::string& name,
+                    std::vector<std::string>& warnings) {
   const auto fail = [&](const std::string& why) {
     throw Error(ErrorKind::Malformed, "\"" + name + "\": " + why);
   };
@@ -160,14 +183,23 @@ Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, c
     fail("is damaged: its pixels cannot be read");
   }
   std::vector<Color> pixels(std::size_t(spec.width) * std::size_t(spec.height));
+  std::size_t replaced = 0;
+  std::string first;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const float* v = values.data() + i * std::size_t(channels);
     const auto linear = [&](float x) { return sRgb ? linearFromSRgb(x) : x; };
     pixels[i] = channels == 3 ? Color{linear(v[0]), linear(v[1]), linear(v[2])} : grey(linear(v[0]));
-    if (!isFinite(pixels[i]) || std::min({pixels[i].r, pixels[i].g, pixels[i].b}) < 0)
-      fail("pixel " + std::to_string(i % std::size_t(spec.width)) + "," +
-           std::to_string(i / std::size_t(spec.width)) + " is negative or not finite");
+    const Color fit{withinLight(pixels[i].r), withinLight(pixels[i].g), withinLight(pixels[i].b)};
+    if (fit == pixels[i]) continue;
+    if (replaced++ == 0)
+      first = "pixel " + std::to_string(i % std::size_t(spec.width)) + "," +
+              std::to_string(i / std::size_t(spec.width)) + " (column, row from the top) is " +
+              colorText(pixels[i]) + ", " + colorText(fit) + " is used";
+    pixels[i] = fit;
   }
+  if (replaced > 0)
+    warnings.push_back("\"" + name + "\": " + std::to_string(replaced) +
+                       (replaced == 1 ? " pixel is" : " pixels are") + " negative or not finite; " + first);
   return {unsigned(spec.width), unsigned(spec.height), std::move(pixels)};
 }
 

@@ -12,8 +12,10 @@
 namespace chamfer {
 
 /// 16-byte header ("CT16", then width, height, samples as u32) and RGBA16F, little-endian, linear, top row
-/// first.
+/// first. Half floats end at 65504: what is beyond is stored as that (see beyondHalf()); NaN stays NaN.
 std::vector<std::byte> encodeF16(const Image& image, unsigned samples);
+/// How many of the image's numbers are beyond a half float's range.
+std::size_t beyondHalf(const Image& image);
 /// 8-bit sRGB: values are clamped to [0, 1] and encoded by the sRGB curve (IEC 61966-2-1), nothing else;
 /// alpha is linear. NaN becomes 0. Deterministic bytes.
 std::vector<std::byte> encodePng(const Image& image);
@@ -26,8 +28,11 @@ void writeImage(const std::filesystem::path& path, const Image& image);
 /// point.
 enum class PixelEncoding { Automatic, Linear };
 /// Reads any format OpenImageIO knows; grey becomes RGB, alpha is dropped. Error(Malformed) for what cannot
-/// be read, is larger than 16384 pixels a side, or holds values that are negative or not finite
-/// (Error(NotFound): no such file). `name` stands in messages.
-Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, const std::string& name);
+/// be read or is larger than 16384 pixels a side (Error(NotFound): no such file). Values that no light or
+/// colour has are replaced, with a warning that names the first such pixel: what is negative or no number by
+/// 0, what is infinite by 65504 (the largest half float, which is where such files come from), what is above
+/// 1e9 by that. `name` stands in messages.
+Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, const std::string& name,
+                    std::vector<std::string>& warnings);
 
 } // namespace chamfer

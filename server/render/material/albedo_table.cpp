@@ -1,70 +1,71 @@
 #include "server/render/material/albedo_table.h"
 
-#include "server/render/material/microfacet.h"
+#include "server/render/material/albedo_grid.h"
 
 namespace chamfer {
 namespace {
 
-CoatAlbedo lerp(const CoatAlbedo& a, const CoatAlbedo& b, float t) {
-  return {a.total + (b.total - a.total) * t, a.white + (b.white - a.white) * t};
+using namespace albedo_grid;
+
+#include "albedo_tables.inc"
+
+float lerp(float a, float b, float t) { return a + (b - a) * t; }
+
+/// The cell of a place on an axis of `nodes`; `share`: how far it is to the cell's upper node.
+int cellOf(float place, int nodes, float& share) {
+  const int cell = std::min(int(place), nodes - 2);
+  share = place - float(cell);
+  return cell;
 }
 
-/// Estimates E by visible-normal sampling: the weight of a sample is F * G2 / G1.
-CoatAlbedo integrate(float mu, float roughness) {
-  if (roughness == 0) return {1, schlickWeight(mu)};
-  const Ggx ggx{roughness * roughness};
-  const Vector3f wo{std::sqrt(std::max(0.f, 1 - mu * mu)), 0, mu};
-  constexpr unsigned kSamples = 1024; // an aligned block: a (0,10,2)-net
-  double total = 0, white = 0;
-  for (unsigned i = 0; i < kSamples; ++i) {
-    const Vector3f m = ggx.sampleVisible(wo, Sampler(0, 0, i, 0).pair(0));
-    const Vector3f wi = reflect(wo, m);
-    if (wi.z <= 0) continue;
-    const float weight = ggx.maskingShadowing(wo, wi) / ggx.masking(wo);
-    total += weight;
-    white += weight * schlickWeight(dot(wo, m));
-  }
-  return {float(total / kSamples), float(white / kSamples)};
-}
+/// Within a column of cosines.
+struct CosineCell {
+  explicit CosineCell(float mu) : cell(cellOf(cosinePlace(mu), kCosines, share)) {}
+  float in(const float* column) const { return lerp(column[cell], column[cell + 1], share); }
+  float share;
+  int cell;
+};
 
 } // namespace
 
-AlbedoTable::AlbedoTable() {
-  for (int r = 0; r < kRoughnesses; ++r) {
-    const float roughness = float(r) / (kRoughnesses - 1);
-    for (int c = 0; c < kCosines; ++c) // the first column stands at a grazing angle where wo.z > 0
-      directional_[r][c] = integrate(std::max(float(c) / (kCosines - 1), 1e-3f), roughness);
-    // Exact integral of 2 mu E(mu) for the piecewise linear E that directional() returns, so that what the
-    // coat leaves and what the base receives agree to rounding.
-    CoatAlbedo sum;
-    const double step = 1.0 / (kCosines - 1);
-    for (int c = 0; c + 1 < kCosines; ++c) {
-      const double wa = step * (step * c + step / 3), wb = step * (step * c + 2 * step / 3);
-      const CoatAlbedo &a = directional_[r][c], &b = directional_[r][c + 1];
-      sum.total += float(wa * a.total + wb * b.total);
-      sum.white += float(wa * a.white + wb * b.white);
-    }
-    average_[r] = sum;
-  }
+ReflectionAlbedo::ReflectionAlbedo(float roughness)
+    : row_(cellOf(roughnessPlace(roughness), kRoughnesses, share_)) {}
+
+CoatAlbedo ReflectionAlbedo::directional(float mu) const {
+  const CosineCell cosine(mu);
+  const int low = row_ * kCosines, high = low + kCosines;
+  return {lerp(cosine.in(kMirrored + low), cosine.in(kMirrored + high), share_),
+          lerp(cosine.in(kWhite + low), cosine.in(kWhite + high), share_)};
 }
 
-const AlbedoTable& AlbedoTable::instance() {
-  static const AlbedoTable table;
-  return table;
+CoatAlbedo ReflectionAlbedo::average() const {
+  return {lerp(kMirroredAverage[row_], kMirroredAverage[row_ + 1], share_),
+          lerp(kWhiteAverage[row_], kWhiteAverage[row_ + 1], share_)};
 }
 
-CoatAlbedo AlbedoTable::directional(float mu, float roughness) const {
-  const float x = std::clamp(mu, 0.f, 1.f) * (kCosines - 1),
-              y = std::clamp(roughness, 0.f, 1.f) * (kRoughnesses - 1);
-  const int c = std::min(int(x), kCosines - 2), r = std::min(int(y), kRoughnesses - 2);
-  const auto &low = directional_[r], &high = directional_[r + 1];
-  return lerp(lerp(low[c], low[c + 1], x - float(c)), lerp(high[c], high[c + 1], x - float(c)), y - float(r));
+GlassAlbedo::GlassAlbedo(float roughness, float eta)
+    : near_(eta < 1), far_(!near_), row_(cellOf(roughnessPlace(roughness), kRoughnesses, rowShare_)),
+      index_(cellOf(indexPlace(eta), kIndices, indexShare_)) {}
+
+float GlassAlbedo::directional(int side, float mu) const {
+  const CosineCell cosine(mu);
+  const auto at = [&](int index) {
+    const float* column = kGlass + ((side * kIndices + index) * kRoughnesses + row_) * kCosines;
+    return lerp(cosine.in(column), cosine.in(column + kCosines), rowShare_);
+  };
+  return lerp(at(index_), at(index_ + 1), indexShare_);
 }
 
-CoatAlbedo AlbedoTable::average(float roughness) const {
-  const float y = std::clamp(roughness, 0.f, 1.f) * (kRoughnesses - 1);
-  const int r = std::min(int(y), kRoughnesses - 2);
-  return lerp(average_[r], average_[r + 1], y - float(r));
+float GlassAlbedo::average(int side) const {
+  const auto at = [&](int index) {
+    const float* means = kGlassAverage + (side * kIndices + index) * kRoughnesses + row_;
+    return lerp(means[0], means[1], rowShare_);
+  };
+  return lerp(at(index_), at(index_ + 1), indexShare_);
+}
+
+float GlassAlbedo::thinFresnelAverage() const {
+  return lerp(kFresnelAverage[index_], kFresnelAverage[index_ + 1], indexShare_);
 }
 
 } // namespace chamfer

@@ -5,14 +5,20 @@
 // Lobes, with metal + glass + base = 1:
 //   reflection   GGX, Fresnel of the three parts together (Schlick for metal and coat, exact for glass)
 //   diffuse      base * baseColor / pi * (1 - E(wo)) (1 - E(wi)) / (1 - mean E), E the coat's albedo: what
-//   the coat does
-//                not reflect, reciprocal and conserving (Kelemen and Szirmay-Kalos, "A Microfacet Based
-//                Coupled Specular-Matte BRDF Model with Importance Sampling", Eurographics 2001)
+//                the coat does not reflect, reciprocal and conserving (Kelemen and Szirmay-Kalos, "A
+//                Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling", Eurographics
+//                2001)
 //   transmission GGX refraction (Walter et al. 2007), tinted by baseColor
-// Below a roughness where GGX is a mirror to float32 the reflection and transmission lobes are Dirac deltas.
+//   multiple     what GGX facets of metal and glass lose because they let light scatter but once comes back
+//                in the same diffuse form, so that no roughness loses light (Kulla and Conty, "Revisiting
+//                Physically Based Shading at Imageworks", SIGGRAPH 2017 course). Metal tints it by the
+//                mean colour of the second and further reflections; glass sends a share of it through.
+// Below a roughness where GGX is a mirror to float32 the reflection and transmission lobes are Dirac deltas,
+// and nothing is lost. Where no index changes, glass lets everything straight through.
 #pragma once
 
 #include "server/render/image/color.h"
+#include "server/render/material/albedo_table.h"
 #include "server/render/material/microfacet.h"
 
 namespace chamfer {
@@ -39,21 +45,33 @@ struct BsdfSample {
 
 class Bsdf {
 public:
-  /// `eta`: index of refraction of the far side over that of wo's side; 1: light goes straight on. `wo.z` >
-  /// 0.
+  /// `eta`: index of refraction of the far side over that of wo's side, for glass; below 1 where light leaves
+  /// the denser. The coat's index is the surface's own. `wo.z` > 0.
   Bsdf(const SurfaceValues& surface, const Vector3f& wo, float eta);
 
-  /// `diffuseLeft`: what a shading normal leaves of the diffuse part (terminatorFactor()); sample() knows
-  /// none.
+  /// `diffuseLeft`: what a shading normal leaves of diffusely reflected light (terminatorFactor()); sample()
+  /// knows none.
   BsdfValue evaluate(const Vector3f& wi, float diffuseLeft = 1) const;
   BsdfSample sample(float lobe, const Float2& u) const;
   /// Has it a part that evaluate() sees?
-  bool hasSmoothPart() const { return !mirror_ || diffuse_ > 0 || (glass_ > 0 && !clearGlass_); }
+  bool hasSmoothPart() const {
+    return cosine_ > 0 || (reflect_ > 0 && !mirror_) || (refract_ > 0 && !clearGlass_);
+  }
 
 private:
+  /// Lobes that follow the cosine of wi, without that and without what depends on wi.
+  struct CosineLobes {
+    Color base, metal;
+    float back = 0, through = 0; ///< of glass: reflected, transmitted (untinted)
+  };
+  void addBase();
+  void addMetal();
+  void addGlass();
   Color reflectance(float cosine) const; ///< Fresnel of all reflecting parts at a microfacet
+  Color cosineReflection(float cosine) const;
   BsdfValue evaluateReflection(const Vector3f& wi, float diffuseLeft) const;
   BsdfValue evaluateTransmission(const Vector3f& wi) const;
+  void addRefraction(const Vector3f& wi, BsdfValue& value) const;
   BsdfSample sampleReflection(const Vector3f& m) const;
   BsdfSample sampleMirror() const;
   BsdfSample sampleClearGlass() const;
@@ -63,12 +81,14 @@ private:
   Ggx ggx_;
   Color baseColor_;
   float metal_, glass_, base_; ///< shares, sum 1
-  float coatF0_, roughness_;
-  float eta_;          ///< index on the far side over that on wo's side
-  float coatLeft_ = 0; ///< (1 - E(wo)) / (1 - mean E)
-  float diffuse_ = 0;  ///< probability of the diffuse lobe; those of the others:
-  float reflect_ = 0, refract_ = 0;
+  float coatF0_;
+  float eta_; ///< index on the far side over that on wo's side
   bool mirror_, clearGlass_;
+  ReflectionAlbedo reflected_; ///< of metal and coat
+  GlassAlbedo glassAlbedo_;
+  CosineLobes lobes_;
+  /// Probabilities of the lobes: the cosine on either side, GGX without and with refraction.
+  float cosine_ = 0, through_ = 0, reflect_ = 0, refract_ = 0;
 };
 
 } // namespace chamfer

@@ -56,8 +56,9 @@ inline float schlick(float f0, float cosine) { return f0 + (1 - f0) * schlickWei
 inline Color schlick(const Color& f0, float cosine) { return f0 + (grey(1) - f0) * schlickWeight(cosine); }
 
 /// Unpolarised reflectance of a dielectric boundary; `cosine` >= 0 is the incident side's, `eta` the index of
-/// the far side over that of the near side. 1 under total internal reflection.
+/// the far side over that of the near side. 1 under total internal reflection, 0 where no index changes.
 inline float fresnelDielectric(float cosine, float eta) {
+  if (eta == 1) return 0;
   const float sin2t = (1 - cosine * cosine) / (eta * eta);
   if (sin2t >= 1) return 1;
   const float cosT = std::sqrt(1 - sin2t);

@@ -15,10 +15,9 @@ std::string shown(double v) {
   return s.str();
 }
 
-std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, double radius, unsigned threads) {
-  PreprocessOptions options;
-  options.radius = {radius, false};
-  options.onNonConvex = mesh.onNonConvex;
+std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, const RoundingOptions& wanted,
+                                              unsigned threads) {
+  PreprocessOptions options = optionsOf(wanted);
   options.threads = threads;
   try {
     return preprocess(*mesh.mesh, options).rounding;
@@ -27,29 +26,46 @@ std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, double radi
   }
 }
 
-std::vector<std::shared_ptr<const Rounding>> chooseRoundings(const Scene& scene, const RoundingChoice& choice,
-                                                             unsigned threads,
-                                                             const std::function<bool()>& cancelled) {
-  std::vector<std::shared_ptr<const Rounding>> roundings(scene.meshes.size());
-  if (choice.mode == RoundingMode::None) return roundings;
-  if (!choice.radius) {
-    for (std::size_t i = 0; i < roundings.size(); ++i)
-      roundings[i] = scene.meshes[i].rounding;
-    return roundings;
-  }
+/// As the mesh was rounded, but for what the choice names.
+RoundingOptions wantedOptions(const SceneMesh& mesh, const RoundingChoice& choice) {
+  RoundingOptions options = mesh.options;
+  if (choice.radius) options.radius = *choice.radius / mesh.radiusUnit, options.relative = false;
+  if (choice.radiusClamp) options.clamp = *choice.radiusClamp;
+  return options;
+}
+
+void checkChoice(const Scene& scene, const RoundingChoice& choice) {
+  if (choice.radiusClamp && !(*choice.radiusClamp >= 0 && *choice.radiusClamp <= kMostClamp))
+    throw Error(ErrorKind::OutOfRange, "the radius clamp must be from 0 to " + shown(kMostClamp) + ", is " +
+                                           shown(*choice.radiusClamp));
+  if (!choice.radius) return;
   const double radius = *choice.radius;
   if (!std::isfinite(radius) || !(radius > 0))
     throw Error(ErrorKind::OutOfRange, "the radius must be above 0, is " + shown(radius));
   const SceneMesh* smallest = nullptr;
   for (const SceneMesh& m : scene.meshes)
-    if (!m.staysSharp && m.maxRadius > 0 && (!smallest || m.maxRadius < smallest->maxRadius)) smallest = &m;
+    if (!m.staysSharp && m.maxRadius > 0 && wantedOptions(m, choice).clamp == 0 &&
+        (!smallest || m.maxRadius < smallest->maxRadius))
+      smallest = &m;
   if (smallest && radius >= smallest->maxRadius)
     throw Error(ErrorKind::RadiusTooLarge,
                 "the radius " + shown(radius) + " is too large: it must be below " +
                     shown(smallest->maxRadius) + ", the inradius of mesh \"" + smallest->name + "\"");
+}
+
+std::vector<std::shared_ptr<const Rounding>> chooseRoundings(const Scene& scene, const RoundingChoice& choice,
+                                                             unsigned threads,
+                                                             const std::function<bool()>& cancelled) {
+  std::vector<std::shared_ptr<const Rounding>> roundings(scene.meshes.size());
+  if (choice.mode == RoundingMode::None) return roundings;
+  checkChoice(scene, choice);
   for (std::size_t i = 0; i < roundings.size(); ++i) {
     if (cancelled && cancelled()) throw Error(ErrorKind::Cancelled, "cancelled while its rounding was built");
-    if (!scene.meshes[i].staysSharp) roundings[i] = buildRounding(scene.meshes[i], radius, threads);
+    const SceneMesh& mesh = scene.meshes[i];
+    const RoundingOptions wanted = wantedOptions(mesh, choice);
+    if (mesh.staysSharp || !(wanted.radius > 0)) continue; // sharp
+    roundings[i] =
+        mesh.rounding && wanted == mesh.options ? mesh.rounding : buildRounding(mesh, wanted, threads);
   }
   return roundings;
 }

@@ -19,7 +19,9 @@ enum class Aov : std::uint8_t { Beauty, Albedo, Normal, GeometricNormal, Depth, 
 struct RoundingChoice {
   RoundingMode mode = RoundingMode::Analytic;
   unsigned count = 0;           ///< segments of mesh:K, probes of bevel:N
-  std::optional<double> radius; ///< mesh units; nothing: the sidecar's
+  std::optional<double> radius; ///< mesh units (SceneMesh::radiusUnit); nothing: the scene's
+  /// No solid gets more than this share of its own inradius; 0: none; nothing: as the scene's were made.
+  std::optional<double> radiusClamp = std::nullopt;
   bool operator==(const RoundingChoice&) const = default;
 };
 

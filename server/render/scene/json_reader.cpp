@@ -97,6 +97,8 @@ json parseJson(const std::string& text, const std::string& file) {
   return json::parse(text);
 }
 
+std::string JsonReader::text() const { return shown(*value_); }
+
 std::string JsonReader::path() const {
   if (!parent_) return "";
   const std::string above = parent_->path();

@@ -70,6 +70,7 @@ public:
   Point3 point() const { return Point3(vector()); }
   Color color(const NumberRange& range) const; ///< three numbers, or one for a grey
   std::string path() const;
+  std::string text() const; ///< the value as JSON, for messages; long ones are cut
 
 private:
   JsonReader(const nlohmann::json& value, const JsonReader* parent, const char* key, std::size_t index)

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Part of every scene's id: to be changed whenever the same files give other pixels than before.
-constexpr char kRendererVersion[] = "chamfer renderer 5";
+constexpr char kRendererVersion[] = "chamfer renderer 6";
 constexpr char kNoNormals[] = "does not hold tangent-space normals: it looks like a height map";
 constexpr std::uintmax_t kLargestSceneFile = 256u << 20;
 
@@ -39,15 +39,27 @@ public:
     const SceneDescription d = parseSceneDescription(text, file);
     identity_ += text;
     try {
+      std::vector<std::uint32_t> meshes; // into the scene's; kNone: one for each stretch of its instances
       for (const MeshDescription& m : d.meshes)
-        at(m.path, [&] { addMesh(m); });
+        at(m.path, [&] { meshes.push_back(m.worldRadius ? kNone : addMesh(m)); });
       const auto materials = std::uint32_t(data_->materials.size());
       for (const MaterialDescription& m : d.materials)
         at(m.path, [&] { addMaterial(m); });
       scene_->instances.reserve(d.instances.size());
       data_->instanceSource.reserve(d.instances.size());
-      for (const InstanceDescription& i : d.instances)
-        addInstance(i.mesh, i.material == kNone ? kNone : materials + i.material, i.worldFromObject);
+      for (const InstanceDescription& i : d.instances) {
+        const MeshDescription& mesh = d.meshes[i.mesh];
+        const std::uint32_t material = i.material == kNone ? kNone : materials + i.material;
+        const Transform worldFromMesh =
+            mesh.up == UpAxis::Z ? i.worldFromObject : i.worldFromObject * uprightFrom(mesh.up);
+        if (mesh.worldRadius)
+          at(mesh.path, [&] { addStretchedInstance(mesh, i.mesh, material, worldFromMesh); });
+        else
+          addInstance(meshes[i.mesh], material, worldFromMesh);
+      }
+      for (std::uint32_t i = 0; i < d.meshes.size(); ++i) // not placed, and yet to be right
+        if (d.meshes[i].worldRadius && !stretched_.contains(i))
+          at(d.meshes[i].path, [&] { addMesh(d.meshes[i]); });
       addLights(d);
     } catch (const Error& e) {
       throw Error(e.kind(), file + ": " + e.what());
@@ -55,7 +67,7 @@ public:
     return finish(d.camera);
   }
 
-  std::shared_ptr<const Scene> fromMesh(const std::string& file) {
+  std::shared_ptr<const Scene> fromMesh(const std::string& file, UpAxis up) {
     MeshDescription d;
     d.name = fs::path(file).stem().string();
     d.file = file;
@@ -63,8 +75,8 @@ public:
     if (!scene_->meshes[0].rounding)
       scene_->warnings.push_back(
           "there is no sidecar beside the mesh: it stays sharp until a radius is given");
-    identity_ += "studio";
-    addInstance(0, kNone, {});
+    identity_ += up == UpAxis::Y ? "studio, y up" : "studio";
+    addInstance(0, kNone, uprightFrom(up));
     addStudio(*data_, scene_->meshes.size(), scene_->bounds);
     return finish({});
   }
@@ -97,8 +109,15 @@ private:
     }
   }
 
-  void addMesh(const MeshDescription& d) {
-    LoadedMesh loaded = meshes_.load(d, scene_->warnings);
+  /// Returns its place among the scene's meshes. `materialsOf`: a mesh of the same file that is there
+  /// already.
+  std::uint32_t addMesh(const MeshDescription& d, const Stretch& stretch = {},
+                        std::uint32_t materialsOf = kNone) {
+    std::vector<std::string> warnings;
+    LoadedMesh loaded = meshes_.load(d, warnings, stretch);
+    for (const std::string& w : warnings) // copies of one mesh have the same
+      if (std::find(scene_->warnings.begin(), scene_->warnings.end(), w) == scene_->warnings.end())
+        scene_->warnings.push_back(w);
     addFile(loaded.mesh.file);
     addFile(sidecarOf(loaded.mesh.file));
     for (const fs::path& library : loaded.mesh.mesh->materialFiles)
@@ -112,7 +131,9 @@ private:
     meshEdges_.push_back(loaded.roundedEdges);
     MeshMaterials materials;
     const TriangleMesh& mesh = *loaded.mesh.mesh;
-    if (!mesh.materialOfTriangle.empty()) {
+    if (materialsOf != kNone) {
+      materials = data_->meshMaterials[materialsOf];
+    } else if (!mesh.materialOfTriangle.empty()) {
       const auto first = std::uint32_t(data_->materials.size());
       const fs::path folder = loaded.mesh.file.parent_path();
       for (const MeshMaterial& m : mesh.materials)
@@ -124,6 +145,21 @@ private:
     }
     data_->meshMaterials.push_back(std::move(materials));
     scene_->meshes.push_back(std::move(loaded.mesh));
+    return std::uint32_t(scene_->meshes.size() - 1);
+  }
+
+  /// Of a mesh whose radius is in world units: its instances share a rounding where they stretch it alike.
+  void addStretchedInstance(const MeshDescription& d, std::uint32_t description, std::uint32_t material,
+                            const Transform& worldFromMesh) {
+    const Stretch stretch = stretchOf(worldFromMesh);
+    std::map<Stretch, std::uint32_t>& meshes = stretched_[description];
+    const auto found = meshes.find(stretch);
+    const std::uint32_t mesh = found != meshes.end()
+                                   ? found->second
+                                   : addMesh(d, stretch, meshes.empty() ? kNone : meshes.begin()->second);
+    if (found == meshes.end()) meshes.emplace(stretch, mesh);
+    addInstance(mesh, material,
+                stretch.isUniform() ? worldFromMesh : worldFromMesh * stretch.transform().inverse());
   }
 
   /// A material of an MTL library. What a scene file would be refused for is taken into its limits here,
@@ -188,7 +224,7 @@ private:
   }
 
   Texture readImage(const fs::path& file, PixelEncoding encoding, const std::string& name) {
-    Texture texture = readTexture(file, encoding, name);
+    Texture texture = readTexture(file, encoding, name, scene_->warnings);
     identity_ += texture.contentDigest().hex();
     return texture;
   }
@@ -246,16 +282,24 @@ private:
   std::vector<Bounds3> meshBounds_;
   std::vector<std::size_t> meshEdges_;
   std::map<std::pair<fs::path, PixelEncoding>, std::uint32_t> textures_;
+  /// Meshes with a radius in world units, by description: the scene's mesh for each stretch.
+  std::map<std::uint32_t, std::map<Stretch, std::uint32_t>> stretched_;
 };
 
 } // namespace
 
-std::shared_ptr<const Scene> loadScene(const fs::path& file, const fs::path& root, const std::string& name) {
+Transform uprightFrom(UpAxis up) {
+  if (up == UpAxis::Z) return {};
+  return Transform(std::array<std::array<double, 4>, 3>{{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}});
+}
+
+std::shared_ptr<const Scene> loadScene(const fs::path& file, const fs::path& root, const std::string& name,
+                                       UpAxis meshUp) {
   const std::string leaf = file.filename().string();
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   const fs::path top = root.empty() ? folder : root;
   SceneLoader loader(top, folder, name);
-  if (!leaf.ends_with(".json")) return loader.fromMesh(leaf);
+  if (!leaf.ends_with(".json")) return loader.fromMesh(leaf, meshUp);
   return loader.fromDescription(readFileText(loader.resolve(folder, leaf), kLargestSceneFile), leaf);
 }
 

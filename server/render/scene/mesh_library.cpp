@@ -40,30 +40,43 @@ bool hasRadius(const RoundingView& view, double radius) {
   return view.solidCount() > 0;
 }
 
+/// Was a sidecar made as the description asks? By its options, or by another spelling of them: "2%" of a lone
+/// solid, say.
+bool fits(const Rounding& sidecar, const MeshDescription& d, const Radius& radius) {
+  const RoundingOptions& made = sidecar.options();
+  if (d.onNonConvex && *d.onNonConvex != made.onNonConvex) return false;
+  if (d.radiusClamp && *d.radiusClamp != made.clamp) return false;
+  if (radius.relative == made.relative && radius.value == made.radius) return true;
+  return !radius.relative && hasRadius(sidecar.view(), radius.value);
+}
+
 PreprocessResult round(const SceneMesh& mesh, const Radius& radius, unsigned threads) {
-  PreprocessOptions options;
+  PreprocessOptions options = optionsOf(mesh.options);
   options.radius = radius;
-  options.onNonConvex = mesh.onNonConvex;
   options.threads = threads;
   return preprocess(*mesh.mesh, options);
 }
 
-/// Of the solids of a rounding, from their facets alone.
-double smallestInradius(const RoundingView& view) {
-  double smallest = INFINITY;
+/// The radius that a rounding's solids must stay below: the smallest inradius, or with a clamp, which takes
+/// smaller ones out, the largest.
+double largestRadius(const Rounding& rounding) {
+  const RoundingView& view = rounding.view();
+  const bool clamped = rounding.options().clamp > 0;
+  double bound = clamped ? 0 : INFINITY;
   std::vector<Plane> planes;
   for (std::size_t i = 0; i < view.solidCount(); ++i) {
     planes.clear();
     for (std::uint32_t f = view.solids[i].firstFacet; f < view.solids[i + 1].firstFacet; ++f)
       planes.push_back({Vector3(view.facets[f].normal), double(view.facets[f].offset)});
-    smallest = std::min(smallest, largestBall(planes, view.solids[i].boundRadius).radius);
+    const double inradius = largestBall(planes, view.solids[i].boundRadius).radius;
+    bound = clamped ? std::max(bound, inradius) : std::min(bound, inradius);
   }
-  return std::isfinite(smallest) ? smallest : 0;
+  return std::isfinite(bound) ? bound : 0;
 }
 
-/// The largest radius that the mesh admits; 0 when it cannot be rounded at all.
+/// The same of a mesh that has no rounding yet; 0 when it cannot be rounded at all.
 double largestRadius(const SceneMesh& mesh, unsigned threads) {
-  if (mesh.rounding) return smallestInradius(mesh.rounding->view());
+  if (mesh.rounding) return largestRadius(*mesh.rounding);
   try {
     return round(mesh, {1e-6, true}, threads).report.maxRadius; // a radius small enough for any solid
   } catch (const Error& e) {
@@ -72,79 +85,106 @@ double largestRadius(const SceneMesh& mesh, unsigned threads) {
   }
 }
 
+/// A copy whose positions are stretched: what a rounding must see that is to be round after a scale that is
+/// not the same in all directions.
+std::shared_ptr<const TriangleMesh> stretched(const TriangleMesh& mesh, const Stretch& stretch) {
+  auto copy = std::make_shared<TriangleMesh>(mesh);
+  const Transform t = stretch.transform();
+  for (Point3& p : copy->positions)
+    p = t(p);
+  return copy;
+}
+
+std::string optionsText(const RoundingOptions& o) {
+  const double numbers[] = {o.weld, o.planarity, o.convexity, o.clamp, double(o.onNonConvex)};
+  return hexOf(std::span<const double>(numbers));
+}
+
 } // namespace
 
 fs::path sidecarOf(const fs::path& mesh) { return fs::path(mesh.string() + ".chamfer"); }
 
-const MeshLibrary::Geometry& MeshLibrary::geometry(const fs::path& file) {
-  const auto [entry, added] = geometries_.try_emplace(file);
-  Geometry& g = entry->second;
-  if (added) {
-    auto mesh = std::make_shared<TriangleMesh>(readMesh(file));
-    g.geometry = geometryDigest(*mesh);
-    g.content = contentDigest(*mesh, g.geometry);
-    g.traced = makeTracedMesh(mesh);
-    g.mesh = std::move(mesh);
-  }
+MeshLibrary::Geometry MeshLibrary::geometryOf(std::shared_ptr<const TriangleMesh> mesh) {
+  Geometry g;
+  g.geometry = geometryDigest(*mesh);
+  g.content = contentDigest(*mesh, g.geometry);
+  g.traced = makeTracedMesh(mesh);
+  g.mesh = std::move(mesh);
   return g;
 }
 
-LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>& warnings) {
+const MeshLibrary::Geometry& MeshLibrary::geometry(const fs::path& file) {
+  const auto [entry, added] = geometries_.try_emplace(file);
+  if (added) entry->second = geometryOf(std::make_shared<TriangleMesh>(readMesh(file)));
+  return entry->second;
+}
+
+std::shared_ptr<const Rounding> MeshLibrary::sidecar(const MeshDescription& d, const Geometry& g,
+                                                     const fs::path& mesh,
+                                                     std::vector<std::string>& warnings) const {
+  const fs::path file = sidecarOf(mesh);
+  std::error_code error;
+  if (d.staysSharp || !fs::is_regular_file(file, error)) return nullptr;
+  resolveBelow(root_, file.parent_path(), file.filename().string()); // no link leads out
+  try {
+    auto rounding = loadSidecar(file, &g.geometry);
+    if (rounding->view().facetOfTriangle.size() != g.mesh->triangles.size())
+      throw Error(ErrorKind::DamagedSidecar, "the sidecar is damaged: it does not have the mesh's number of "
+                                             "triangles; run chamferprep on the mesh again");
+    return rounding;
+  } catch (const Error& e) {
+    if (!d.radius) throw;
+    warnings.push_back((d.path.empty() ? "" : d.path + ": ") +
+                       "the sidecar is not used, the mesh was rounded on load: " + e.what());
+    return nullptr;
+  }
+}
+
+LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>& warnings,
+                             const Stretch& stretch) {
   const std::string where = d.path.empty() ? "" : d.path + ": ";
   LoadedMesh loaded;
   SceneMesh& m = loaded.mesh;
   m.name = d.name;
   m.file = resolveBelow(root_, base_, d.file);
-  const Geometry& g = geometry(m.file);
+  const bool unit = stretch == Stretch();
+  const Geometry& original = geometry(m.file);
+  const Geometry g = stretch.isUniform() ? original : geometryOf(stretched(*original.mesh, stretch));
   m.mesh = g.mesh;
   m.traced = g.traced;
   m.staysSharp = d.staysSharp;
-  m.onNonConvex = d.onNonConvex;
+  if (stretch.isUniform()) m.radiusUnit = stretch.scale();
+  if (!unit) m.name += " (scaled " + stretch.text() + ")";
   for (const std::string& w : g.mesh->warnings)
     warnings.push_back(where + w);
 
-  const fs::path sidecar = sidecarOf(m.file);
-  std::error_code error;
-  const bool hasSidecar = !d.staysSharp && fs::is_regular_file(sidecar, error);
-  if (hasSidecar)
-    resolveBelow(root_, sidecar.parent_path(), sidecar.filename().string()); // no link leads out
-  if (hasSidecar) {
-    try {
-      m.rounding = loadSidecar(sidecar, &g.geometry);
-      if (m.rounding->view().facetOfTriangle.size() != g.mesh->triangles.size())
-        throw Error(ErrorKind::DamagedSidecar,
-                    "the sidecar is damaged: it does not have the mesh's number of "
-                    "triangles; run chamferprep on the mesh again");
-    } catch (const Error& e) {
-      if (!d.radius) throw;
-      warnings.push_back(where + "the sidecar is not used, the mesh was rounded on load: " + e.what());
-    }
-    if (m.rounding && d.radius && (d.radius->relative || !hasRadius(m.rounding->view(), d.radius->value)))
-      m.rounding = nullptr; // made for another radius
-    if (m.rounding && !d.radius) {
-      // The sidecar's maker has accepted this mesh somehow: another radius must not be stricter.
-      const auto& facets = m.rounding->view().facetOfTriangle;
-      const bool anySharp = std::find(facets.begin(), facets.end(), kNone) != facets.end();
-      m.onNonConvex = anySharp ? OnNonConvex::Sharp : OnNonConvex::Hull;
-    }
-  }
-  if (d.radius && !m.rounding) {
-    PreprocessResult result = round(m, *d.radius, threads_);
+  // A stretched mesh has no sidecar, but is to be rounded as its file's says.
+  m.rounding = sidecar(d, original, m.file, warnings);
+  if (m.rounding) m.options = m.rounding->options();
+  if (d.onNonConvex) m.options.onNonConvex = *d.onNonConvex;
+  if (d.radiusClamp) m.options.clamp = *d.radiusClamp;
+  std::optional<Radius> radius = d.radius;
+  if (radius && d.worldRadius) radius->value /= m.radiusUnit;
+  if (m.rounding && (!stretch.isUniform() || (radius && !fits(*m.rounding, d, *radius))))
+    m.rounding = nullptr; // made for another radius
+  if (radius && !m.rounding) {
+    PreprocessResult result = round(m, *radius, threads_);
     m.rounding = std::move(result.rounding);
-    m.maxRadius = result.report.maxRadius;
     for (const std::string& w : result.report.warnings)
-      warnings.push_back(where + w);
-  } else if (!d.staysSharp && (m.rounding || d.path.empty())) {
-    m.maxRadius = largestRadius(m, threads_);
+      if (std::find(g.mesh->warnings.begin(), g.mesh->warnings.end(), w) == g.mesh->warnings.end())
+        warnings.push_back(where + w);
   }
+  if (m.rounding) m.options = m.rounding->options();
+  if (!d.staysSharp && (m.rounding || d.path.empty()))
+    m.maxRadius = largestRadius(m, threads_) * m.radiusUnit;
   if (!m.rounding && !d.path.empty()) m.staysSharp = true; // a scene file's mesh without radius and sidecar
 
-  std::string content = g.content.hex() + (m.staysSharp ? "sharp" : "") + std::to_string(int(m.onNonConvex));
+  std::string content = g.content.hex() + (m.staysSharp ? "sharp" : "") + optionsText(m.options);
   if (m.rounding) {
     const RoundingView& view = m.rounding->view();
     content += digestText(view);
     for (std::size_t i = 0; i < view.solidCount(); ++i) {
-      m.radius = std::max(m.radius, double(view.solids[i].radius));
+      m.radius = std::max(m.radius, double(view.solids[i].radius) * m.radiusUnit);
       loaded.roundedEdges += view.solids[i].halfEdgeCount / 2;
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "server/render/scene/scene_description.h"
+#include "server/render/scene/stretch.h"
 
 #include <map>
 
@@ -25,11 +26,14 @@ public:
 
   /// The rounding is decided by the files alone:
   ///  - `staysSharp`: none;
-  ///  - with a radius: the sidecar's where it fits the mesh and every solid of it has that radius, else built
-  ///  here (what
-  ///    is wrong with a sidecar becomes a warning);
+  ///  - with a radius: the sidecar's where it fits the mesh and was made as the description asks, else built
+  ///    here (what is wrong with a sidecar becomes a warning), with the sidecar's options where the
+  ///    description names none;
   ///  - without: the sidecar's, or none where there is no sidecar. Throws StaleSidecar, DamagedSidecar.
-  LoadedMesh load(const MeshDescription& description, std::vector<std::string>& warnings);
+  /// `stretch`: of the instances that the mesh is for, where the description's radius is in world units. A
+  /// uniform one changes the radius, any other the mesh: its copy has the stretch already.
+  LoadedMesh load(const MeshDescription& description, std::vector<std::string>& warnings,
+                  const Stretch& stretch = {});
 
 private:
   struct Geometry {
@@ -38,6 +42,10 @@ private:
     Digest geometry, content;
   };
   const Geometry& geometry(const std::filesystem::path& file);
+  static Geometry geometryOf(std::shared_ptr<const TriangleMesh> mesh);
+  std::shared_ptr<const Rounding> sidecar(const MeshDescription& description, const Geometry& geometry,
+                                          const std::filesystem::path& mesh,
+                                          std::vector<std::string>& warnings) const;
 
   std::filesystem::path root_, base_;
   unsigned threads_;

@@ -35,10 +35,16 @@ struct SceneMesh {
   std::shared_ptr<const TracedMesh> traced;
   /// Null: sharp until a radius is asked for, or for good.
   std::shared_ptr<const Rounding> rounding;
-  bool staysSharp = false;                      ///< a floor, a light: no radius ever rounds it
-  OnNonConvex onNonConvex = OnNonConvex::Error; ///< of its components, when it is rounded here
-  double radius = 0;                            ///< the largest radius in `rounding`; 0 when sharp
-  double maxRadius = 0; ///< smallest inradius; 0 when it stays sharp or cannot be rounded
+  bool staysSharp = false; ///< a floor, a light: no radius ever rounds it
+  /// How it was rounded, and is to be with another radius; radius 0: it has none.
+  RoundingOptions options;
+  /// World units of one mesh unit where the scene file gives the radius in world units, else 1: what requests
+  /// name, and what follows here, are multiples of it.
+  double radiusUnit = 1;
+  double radius = 0; ///< the largest radius in `rounding`; 0 when sharp
+  /// The radius that it must stay below: the smallest inradius, or where each solid's radius is clamped the
+  /// largest. 0 when it stays sharp or cannot be rounded.
+  double maxRadius = 0;
 };
 
 struct SceneData; // materials, lights, textures: the renderer's own (scene_data.h)
@@ -61,10 +67,16 @@ struct Scene {
 /// Of everything that the scene holds: meshes with their hierarchies, roundings, textures. Each counted once.
 std::size_t memoryBytes(const Scene& scene);
 
+/// Which axis of a mesh file points up.
+enum class UpAxis : std::uint8_t { Y, Z };
+/// Turns what is y-up upright: y to z, z to -y.
+Transform uprightFrom(UpAxis up);
+
 /// Loads `*.scene.json`, or a mesh with its sidecar beside it (`MESH.chamfer`), which gets a neutral studio:
 /// ground, sky, area light, fitted camera. Throws Error with the key's path or the file's fault;
-/// StaleSidecar, DamagedSidecar. `root`: files may be named only below it.
+/// StaleSidecar, DamagedSidecar. `root`: files may be named only below it. `meshUp`: of such a bare mesh; a
+/// scene file says it of each of its meshes.
 std::shared_ptr<const Scene> loadScene(const std::filesystem::path& file, const std::filesystem::path& root,
-                                       const std::string& name);
+                                       const std::string& name, UpAxis meshUp = UpAxis::Z);
 
 } // namespace chamfer

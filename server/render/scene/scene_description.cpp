@@ -2,11 +2,18 @@
 // numbers, or one for a grey); files are named relative to the scene file. Everything but `meshes` and
 // `instances` may be left out.
 //
-//   "meshes": [{"name", "file", "radius": 0.05 | "2%", "rounding": false, "on_nonconvex":
-//   "error"|"sharp"|"hull"}]
+//   "meshes": [{"name", "file", "radius": 0.05 | "2%", "radius_world": 0.05, "radius_clamp": 0.9,
+//               "on_nonconvex": "error"|"sharp"|"hull", "rounding": false, "up_axis": "y"|"z"}]
 //       With a radius the mesh is rounded by it, from its sidecar where that has this radius, else on load.
 //       Without one a sidecar's rounding is used, and a mesh that has none is sharp. "rounding": false keeps
 //       it sharp for good.
+//       "radius" is in the mesh's own units, which an instance's scale enlarges with it. "radius_world" is
+//       what is seen: instances of different scales get roundings of their own, and an instance that is
+//       scaled unevenly is rounded after it was scaled. Radii of requests are then in world units, too.
+//       "radius_clamp": no solid gets more than this share (up to 0.999) of its own inradius; 0: none.
+//       This and "on_nonconvex" are the sidecar's where they are left out, and so are chamferprep's other
+//       options.
+//       "up_axis": "y" for files whose y axis points up: they are turned upright before anything else.
 //   "materials": [{"name", "base_color", "roughness", "metallic", "specular", "transmission", "ior",
 //   "emission",
 //                  "absorption", "base_color_texture", "roughness_texture", "normal_texture"}] (material.h)
@@ -57,7 +64,8 @@ std::uint32_t lookUp(const JsonReader& reader, const NameIndex& names, const cha
 }
 
 MeshDescription readMeshEntry(const JsonReader& j, NameIndex& names) {
-  j.requireObject({"name", "file", "radius", "rounding", "on_nonconvex"});
+  j.requireObject(
+      {"name", "file", "radius", "radius_world", "radius_clamp", "rounding", "on_nonconvex", "up_axis"});
   MeshDescription m;
   m.path = j.path();
   m.name = uniqueName(j, names);
@@ -74,6 +82,21 @@ MeshDescription readMeshEntry(const JsonReader& j, NameIndex& names) {
     } catch (const Error& e) {
       r.fail(e.what());
     }
+  });
+  j.with("radius_world", [&](const JsonReader& r) {
+    if (m.staysSharp) r.fail("a mesh with \"rounding\": false has no radius; remove one of the two");
+    if (m.radius) r.fail("cannot stand beside \"radius\"");
+    m.radius = Radius{r.number(kPositive), false};
+    m.worldRadius = true;
+  });
+  j.with("radius_clamp", [&](const JsonReader& r) {
+    if (m.staysSharp) r.fail("a mesh with \"rounding\": false has no radius; remove one of the two");
+    m.radiusClamp = r.number({0, kMostClamp});
+  });
+  j.with("up_axis", [&](const JsonReader& r) {
+    const std::string word = r.string();
+    if (word != "y" && word != "z") r.fail("must be \"y\" or \"z\", is \"" + word + "\"");
+    m.up = word == "y" ? UpAxis::Y : UpAxis::Z;
   });
   j.with("on_nonconvex", [&](const JsonReader& r) {
     const std::string word = r.string();
@@ -145,7 +168,7 @@ Transform readScale(const JsonReader& j) {
   const auto factor = [](const JsonReader& r) {
     const double v = r.number();
     if (!(std::abs(v) >= 1e-100 && std::abs(v) <= 1e100))
-      r.fail("a scale of " + std::to_string(v) + " has no inverse");
+      r.fail("a scale of " + r.text() + " has no inverse");
     return v;
   };
   if (j.isNumber()) {

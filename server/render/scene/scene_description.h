@@ -17,8 +17,12 @@ namespace chamfer {
 struct MeshDescription {
   std::string name, file;
   std::optional<Radius> radius; ///< nothing: the sidecar's, or sharp where there is none
+  bool worldRadius = false;     ///< the radius is in world units
   bool staysSharp = false;      ///< "rounding": false
-  OnNonConvex onNonConvex = OnNonConvex::Error;
+  /// Nothing: the sidecar's, or the default where there is none.
+  std::optional<OnNonConvex> onNonConvex;
+  std::optional<double> radiusClamp;
+  UpAxis up = UpAxis::Z;
   std::string path; ///< of the entry, for messages
 };
 
