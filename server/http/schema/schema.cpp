@@ -28,7 +28,8 @@ constexpr ParameterRow kRows[] = {
     {"s1", "path", ParameterKind::Integer, "samples", "", 1, kMaxSample, false, "",
      "one past the last sample"},
     {"format", "path", ParameterKind::Word, "", "", 0, 0, false, "f16|exr|png",
-     "f16: 16-byte header (CT16; width, height, samples as u32) and RGBA16F, little-endian, linear; frames: "
+     "f16: 16-byte header (CT16; width, height, samples as u32) and RGBA16F, little-endian, linear; what is "
+     "beyond +-65504 is stored as that and counted in X-Chamfer-Saturated; frames: "
      "exr, png"},
     {"camera", "query", ParameterKind::Numbers, "world units; degrees", "the scene's camera", -kMaxCoordinate,
      kMaxCoordinate, false, "ex,ey,ez,tx,ty,tz,ux,uy,uz,vfov[,aperture,focus]",
