@@ -28,8 +28,12 @@ Digest contentDigest(const TriangleMesh& m, const Digest& geometry) {
   for (const MeshMaterial& a : m.materials) {
     const double numbers[] = {a.baseColor[0], a.baseColor[1], a.baseColor[2], a.roughness,   a.metallic,
                               a.transmission, a.ior,          a.emission[0],  a.emission[1], a.emission[2]};
-    text += hexOf(std::span<const double>(numbers)) + a.baseColorTexture + '\n' + a.roughnessTexture + '\n' +
-            a.normalTexture + '\n';
+    text += hexOf(std::span<const double>(numbers));
+    for (const MeshTexture* t : {&a.baseColorTexture, &a.roughnessTexture, &a.normalTexture}) {
+      const double placement[] = {t->scale[0],  t->scale[1],      t->offset[0],
+                                  t->offset[1], double(t->clamp), t->strength};
+      text += hexOf(std::span<const double>(placement)) + t->file + '\n';
+    }
   }
   return digestOf(text);
 }
@@ -80,7 +84,7 @@ const MeshLibrary::Geometry& MeshLibrary::geometry(const fs::path& file) {
   const auto [entry, added] = geometries_.try_emplace(file);
   Geometry& g = entry->second;
   if (added) {
-    auto mesh = std::make_shared<TriangleMesh>(readMesh(file));
+    auto mesh = std::make_shared<TriangleMesh>(readMesh(file, root_));
     g.geometry = geometryDigest(*mesh);
     g.content = contentDigest(*mesh, g.geometry);
     g.traced = makeTracedMesh(mesh);
@@ -132,7 +136,8 @@ LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>&
     PreprocessResult result = round(m, *d.radius, threads_);
     m.rounding = std::move(result.rounding);
     m.maxRadius = result.report.maxRadius;
-    for (const std::string& w : result.report.warnings)
+    for (const std::string& w :
+         std::span(result.report.warnings).subspan(g.mesh->warnings.size())) // those stand above
       warnings.push_back(where + w);
   } else if (!d.staysSharp && (m.rounding || d.path.empty())) {
     m.maxRadius = largestRadius(m, threads_);
