@@ -193,7 +193,8 @@ private:
       warn("no file", std::string(word) + " names no file and is not used");
       return;
     }
-    if (s.hasBumpMultiplier && use != Use::Bump) s.notSupported.push_back("-bm (it is for bump maps)");
+    if (s.hasBumpMultiplier && use != Use::Bump)
+      warn("bm", std::string(word) + ": the option -bm has no effect here: it is for bump maps");
     // Of a roughness the green channel is used, of all else all three.
     if (!s.channel.empty() && (use != Use::Roughness || s.channel != "g"))
       s.notSupported.push_back("-imfchan " + s.channel);
