@@ -59,7 +59,7 @@ TEST(MeshMaterial, ImagesAreFoundByTheirNamesAsWritten) {
       {"./tex/Near.exr", "", true},
       {"../tex/wood grain #2.exr", "", true},
       {"\"../tex/Wood.exr\"", "", true},
-      {"../tex/Wood.exr # oak", "is used", true},
+      {"../tex/Wood.exr # oak", "", true},
       {"Tex/near.EXR", "\"tex/Near.exr\" is used", true},
       {"C:\\Users\\someone\\tex\\Near.exr", "\"tex/Near.exr\" is used", true},
       {"/home/someone/TEX/near.exr", "\"tex/Near.exr\" is used", true},
@@ -76,13 +76,15 @@ TEST(MeshMaterial, ImagesAreFoundByTheirNamesAsWritten) {
     const auto scene = withLibrary(folder, "newmtl m\nmap_Kd " + row.name + "\n", "set/");
     const Material& material = materialOf(*scene);
     ASSERT_EQ(material.baseColorTexture != kNoTexture, row.found);
-    if (row.found)
+    if (row.found) {
       EXPECT_EQ(scene->data->textures[material.baseColorTexture].at(0.5f, 0.5f), (Color{1, 0, 0}));
-    if (row.warning.empty())
+    }
+    if (row.warning.empty()) {
       EXPECT_THAT(scene->warnings, IsEmpty());
-    else
+    } else {
       EXPECT_THAT(scene->warnings, ElementsAre(AllOf(StartsWith("m.mtl:2: "), HasSubstr(row.warning),
                                                      Not(HasSubstr(folder.path().string())))));
+    }
   }
 }
 
@@ -200,17 +202,19 @@ TEST(MeshMaterial, EveryKindOfImageIsTheSamePicture) {
       {"rgb16.png", "rgb8.png", 1e-6f},         {"rgba16.png", "rgb8.png", 1e-6f},
       {"palette.png", "rgb8.png", 1e-6f},       {"grey8.png", "grey-as-rgb.png", 1e-6f},
       {"grey16.png", "grey-as-rgb.png", 1e-6f}, {"greyalpha8.png", "grey-as-rgb.png", 1e-6f},
-      {"grey.jpg", "grey-as-rgb.png", 0.05f},   {"cmyk.jpg", "rgb.jpg", 0.05f},
+      {"grey.jpg", "grey-as-rgb.png", 0.05f},   {"rgb.jpg", "rgb8.png", 0.05f},
+      {"cmyk.jpg", "rgb8.png", 0.05f},
   };
   for (const auto& row : kRows) {
     SCOPED_TRACE(row.kind);
     const Texture kind = read(row.kind), plain = read(row.plain);
-    ASSERT_EQ(kind.width(), plain.width());
-    ASSERT_EQ(kind.height(), plain.height());
+    ASSERT_EQ(kind.width() % plain.width(), 0u);
+    ASSERT_EQ(kind.height() % plain.height(), 0u);
+    const unsigned zoom = kind.width() / plain.width(); // the JPEGs show each pixel as a block
     float worst = 0;
     for (unsigned y = 0; y < kind.height(); ++y)
       for (unsigned x = 0; x < kind.width(); ++x) {
-        const Color &a = kind.pixel(x, y), &b = plain.pixel(x, y);
+        const Color &a = kind.pixel(x, y), &b = plain.pixel(x / zoom, y / zoom);
         worst = std::max({worst, std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
       }
     EXPECT_LE(worst, row.tolerance);
