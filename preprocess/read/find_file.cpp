@@ -38,6 +38,13 @@ NameParts partsOf(std::string_view name) {
   return result;
 }
 
+fs::path placeOf(const NameParts& name, const fs::path& folder) {
+  fs::path place = folder;
+  for (const std::string& part : name.parts)
+    place /= part;
+  return place.lexically_normal();
+}
+
 class Finder {
 public:
   explicit Finder(const fs::path& top) {
@@ -46,16 +53,21 @@ public:
     if (error) top_.clear();
   }
 
-  bool below(const fs::path& path) const {
+  /// `real`: without symbolic links.
+  bool below(const fs::path& real) const {
+    return !top_.empty() &&
+           std::mismatch(top_.begin(), top_.end(), real.begin(), real.end()).first == top_.end();
+  }
+
+  bool reallyBelow(const fs::path& path) const {
     std::error_code error;
     const fs::path real = fs::canonical(path, error);
-    return !error && !top_.empty() &&
-           std::mismatch(top_.begin(), top_.end(), real.begin(), real.end()).first == top_.end();
+    return !error && below(real);
   }
 
   bool isFile(const fs::path& path) const {
     std::error_code error;
-    return fs::is_regular_file(path, error) && below(path);
+    return fs::is_regular_file(path, error) && reallyBelow(path);
   }
 
   /// Follows the parts from `first` on, each in any letter case where it is not there as it is.
@@ -63,7 +75,7 @@ public:
                                  std::size_t first) const {
     if (at.empty()) at = ".";
     for (std::size_t i = first; i < parts.size(); ++i) {
-      if (!below(at)) return std::nullopt;
+      if (!reallyBelow(at)) return std::nullopt;
       std::error_code error;
       if (parts[i] != ".." && !fs::exists(at / parts[i], error)) {
         const auto other = inAnyCase(at, parts[i]);
@@ -98,8 +110,7 @@ std::optional<FoundFile> find(std::string_view name, const std::vector<fs::path>
   if (n.parts.empty()) return std::nullopt;
   if (!n.absolute)
     for (const fs::path& folder : folders)
-      if (const fs::path file = namedPlace(std::string(name), folder); finder.isFile(file))
-        return FoundFile{file, {}};
+      if (const fs::path file = placeOf(n, folder); finder.isFile(file)) return FoundFile{file, {}};
   for (std::size_t first = 0; first < n.parts.size(); ++first)
     for (const fs::path& folder : folders)
       if (const auto file = finder.follow(folder, n.parts, first))
@@ -109,13 +120,13 @@ std::optional<FoundFile> find(std::string_view name, const std::vector<fs::path>
 
 } // namespace
 
-fs::path namedPlace(const std::string& name, const fs::path& folder) {
+fs::path namedPlace(const std::string& name, const fs::path& folder, const fs::path& top) {
   const NameParts n = partsOf(name);
   if (n.absolute || n.parts.empty()) return {};
-  fs::path place = folder;
-  for (const std::string& part : n.parts)
-    place /= part;
-  return place.lexically_normal();
+  const fs::path place = placeOf(n, folder);
+  std::error_code error;
+  const fs::path real = fs::weakly_canonical(place, error);
+  return error || !Finder(top).below(real) ? fs::path() : place;
 }
 
 std::optional<FoundFile> findFile(const std::string& name, const std::vector<fs::path>& folders,

@@ -24,7 +24,9 @@ struct FoundFile {
 std::optional<FoundFile> findFile(const std::string& name, const std::vector<std::filesystem::path>& folders,
                                   const std::filesystem::path& top);
 
-/// Where that file would lie if it were there as named, in `folder`; empty for absolute names.
-std::filesystem::path namedPlace(const std::string& name, const std::filesystem::path& folder);
+/// Where that file would lie if it were there as named, in `folder`; empty for absolute names and outside of
+/// `top`.
+std::filesystem::path namedPlace(const std::string& name, const std::filesystem::path& folder,
+                                 const std::filesystem::path& top);
 
 } // namespace chamfer

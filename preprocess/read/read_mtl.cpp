@@ -49,7 +49,7 @@ private:
   }
 
   void readNamed(const std::string& name, std::size_t line) {
-    const fs::path named = namedPlace(name, folder_);
+    const fs::path named = namedPlace(name, folder_, names_.top);
     if (!named.empty()) mesh_.materialFiles.push_back(named);
     const auto found = find(name);
     if (!found) {

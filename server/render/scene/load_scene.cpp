@@ -196,7 +196,7 @@ private:
   /// where it is said to be. Throws Error(NotFound) and what readTexture() throws.
   std::uint32_t addMeshTexture(const MeshTexture& t, const fs::path& meshFolder, PixelEncoding encoding) {
     const auto found = findFile(t.file, {t.folder, meshFolder}, root_);
-    if (const fs::path named = namedPlace(t.file, t.folder); !named.empty()) addFile(named);
+    if (const fs::path named = namedPlace(t.file, t.folder, root_); !named.empty()) addFile(named);
     if (!found)
       throw Error(ErrorKind::NotFound,
                   fileInQuotes(t.file) + ": there is no such file below the served folder");
