@@ -4,6 +4,8 @@
 #include "common/rounding.h"
 #include "preprocess/read/read_formats.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 
 namespace chamfer {
@@ -40,11 +42,33 @@ void checkSize(const TriangleMesh& mesh, const TextPlace& place) {
                          std::to_string(kMostPositions) + " vertices; split the mesh");
 }
 
-TriangleMesh readMesh(const std::filesystem::path& path) {
+void warnRepeats(std::span<const std::uint32_t> corners, const TextPlace& place, ReadWarnings& warnings) {
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (corners[i] == corners[(i + 1) % corners.size()]) {
+      warnings.add("repeats", place, "a face names the same vertex twice in a row; the repeat is dropped");
+      return;
+    }
+}
+
+void settleTextureCoordinates(TriangleMesh& mesh) {
+  for (auto& triangle : mesh.uvTriangles)
+    for (std::uint32_t& uv : triangle)
+      if (uv != kNone && std::isnan(mesh.uvs[uv][0])) uv = kNone;
+  for (std::array<float, 2>& uv : mesh.uvs)
+    if (std::isnan(uv[0])) uv = {0, 0};
+  const auto any = [](const std::array<std::uint32_t, 3>& t) {
+    return t[0] != kNone || t[1] != kNone || t[2] != kNone;
+  };
+  if (std::any_of(mesh.uvTriangles.begin(), mesh.uvTriangles.end(), any)) return;
+  mesh.uvTriangles.clear();
+  mesh.uvs.clear();
+}
+
+TriangleMesh readMesh(const std::filesystem::path& path, const std::filesystem::path& top) {
   const std::string name = path.filename().string(), extension = lowerCase(path.extension().string());
   TriangleMesh mesh;
   if (extension == ".obj")
-    mesh = readObj(readFile(path), path);
+    mesh = readObj(readFile(path), path, top);
   else if (extension == ".stl")
     mesh = readStl(readFile(path), name);
   else if (extension == ".ply")

@@ -1,6 +1,7 @@
 #include "preprocess/preprocess.h"
 
 #include "common/error.h"
+#include "common/text.h"
 #include "preprocess/rounding/round_solid.h"
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -16,11 +16,8 @@
 namespace chamfer {
 namespace {
 
-std::string lengthText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+/// Of the report, beside those of reading: one a component would be too many to read.
+constexpr std::size_t kMostWarnings = 50;
 
 /// Frees what only the rounding of the component needed, on the thread that is done with it: for many small
 /// solids freeing costs as much as a stage.
@@ -74,14 +71,14 @@ void add(StageTimes& to, const StageTimes& t) {
     }
   const RoundedSolid& s = solids[worst];
   const double largest = 0.999 * s.inradius;
-  std::string message = "radius " + lengthText(s.radius) + " is too large for solid " +
-                        std::to_string(worst + 1) + ", whose inradius is " + lengthText(s.inradius) +
-                        ": the largest radius that works is " + lengthText(largest);
+  std::string message = "radius " + numberText(s.radius) + " is too large for solid " +
+                        std::to_string(worst + 1) + ", whose inradius is " + numberText(s.inradius) +
+                        ": the largest radius that works is " + numberText(largest);
   if (asked.relative)
-    message += ", " + lengthText(100 * asked.value * largest / s.radius) + "% of its diagonal";
+    message += ", " + numberText(100 * asked.value * largest / s.radius) + "% of its diagonal";
   if (s.radius < largest) // within the limit, and yet no core: thinner than its storage
     message = "solid " + std::to_string(worst + 1) + " has no core that can be stored at radius " +
-              lengthText(s.radius) + ": it is too thin there; take a smaller radius";
+              numberText(s.radius) + ": it is too thin there; take a smaller radius";
   if (count > 1) message += " (" + std::to_string(count) + " solids are too small)";
   message += ". --clamp 0.9 rounds each solid with at most 0.9 of its own inradius";
   throw Error(ErrorKind::RadiusTooLarge, message)
@@ -210,6 +207,7 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
   if (report.solids == 0) report.maxRadius = 0;
   finishArrays(arrays);
   arena.execute([&] { tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) { solids[i] = {}; }); });
+  keepFirst(report.warnings, mesh.warnings.size() + kMostWarnings);
   report.treeNodes = arrays.treeNodes.size();
   result.rounding = makeRounding(std::move(arrays), geometryDigest(mesh), recordOf(options));
   report.times.pack = since(start);

@@ -42,7 +42,7 @@ struct PreprocessReport {
   std::size_t maxRadiusSolid = 0; ///< which solid sets it
   double nonConvexity = 0;        ///< largest accepted depth below a hull, relative to the diagonal
   ComponentCounts counts;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings; ///< the mesh's first; a bounded number
   StageTimes times;
 };
 

@@ -50,7 +50,9 @@ private:
   Clock::time_point start_ = Clock::now(), last_{};
 };
 
-Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path& path) {
+/// `warnings` are those of reading, known even where the mesh is then refused.
+Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path& path,
+                 std::vector<std::string>& warnings) {
   const auto seconds = [](Clock::time_point since) {
     return std::chrono::duration<double>(Clock::now() - since).count();
   };
@@ -60,6 +62,7 @@ Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path&
   progress("reading", 0);
   const TriangleMesh mesh = readMesh(path);
   outcome.readSeconds = seconds(start);
+  warnings = mesh.warnings;
   PreprocessOptions preprocessOptions = options.preprocess;
   preprocessOptions.progress = [&](const char* stage, double share) { progress(stage, share); };
   const auto read = Clock::now();
@@ -148,11 +151,12 @@ void printReport(const std::filesystem::path& mesh, const PrepCommandOptions& op
 }
 
 Json errorJson(const std::filesystem::path& mesh, const char* word, const std::string& message, int status,
-               const std::vector<std::pair<std::string, double>>& details) {
+               const std::vector<std::pair<std::string, double>>& details,
+               const std::vector<std::string>& warnings) {
   Json error{{"kind", word}, {"message", message}, {"exit_status", status}};
   for (const auto& [key, value] : details)
     error[key] = value;
-  return Json{{"mesh", mesh.string()}, {"error", error}};
+  return Json{{"mesh", mesh.string()}, {"error", error}, {"warnings", warnings}};
 }
 
 std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
@@ -163,14 +167,17 @@ int runPrepCommand(const PrepCommandOptions& options) {
   int status = 0;
   Json all = Json::array();
   for (const auto& mesh : options.meshes) {
+    std::vector<std::string> warnings;
     const auto failed = [&](const char* word, const std::string& message, int exit,
                             const std::vector<std::pair<std::string, double>>& details) {
       if (status == 0) status = exit;
       std::fprintf(stderr, "chamferprep: %s: %s\n", mesh.c_str(), message.c_str());
-      if (options.json) all.push_back(errorJson(mesh, word, message, exit, details));
+      for (const std::string& w : warnings)
+        if (!options.quiet) std::fprintf(stderr, "chamferprep: %s: warning: %s\n", mesh.c_str(), w.c_str());
+      if (options.json) all.push_back(errorJson(mesh, word, message, exit, details, warnings));
     };
     try {
-      const Outcome outcome = roundOne(options, mesh);
+      const Outcome outcome = roundOne(options, mesh, warnings);
       if (options.json)
         all.push_back(toJson(mesh, options, outcome));
       else if (!options.quiet)

@@ -3,6 +3,7 @@
 
 #include "preprocess/mesh.h"
 #include "preprocess/read/read_text.h"
+#include "preprocess/read/read_warnings.h"
 
 #include <filesystem>
 #include <span>
@@ -11,9 +12,9 @@
 
 namespace chamfer {
 
-/// `text` is the file's content (changed while it is read), `path` its name: material libraries lie beside
-/// it.
-TriangleMesh readObj(std::string text, const std::filesystem::path& path);
+/// `path` is the file's name: material libraries lie beside it, and in `top` (empty: the same folder).
+TriangleMesh readObj(std::string_view text, const std::filesystem::path& path,
+                     const std::filesystem::path& top = {});
 /// Binary, or ASCII. The result is a soup: three positions a facet.
 TriangleMesh readStl(std::string_view bytes, std::string_view name);
 /// ASCII, binary little-endian and big-endian.
@@ -28,6 +29,14 @@ std::string readFile(const std::filesystem::path& path);
 /// more than limits allow.
 void appendPolygon(TriangleMesh& mesh, std::uint32_t face, std::span<const std::uint32_t> corners,
                    std::span<const std::uint32_t> uvs = {});
+
+/// Warns where a corner is the one before it, around the polygon: its triangles without area are dropped
+/// later.
+void warnRepeats(std::span<const std::uint32_t> corners, const TextPlace& place, ReadWarnings& warnings);
+
+/// Takes texture coordinates that are NaN from the corners that have them, and all away where no corner has
+/// any left.
+void settleTextureCoordinates(TriangleMesh& mesh);
 
 /// Throws Error(Malformed) when the mesh has more vertices or triangles than 32-bit indices can name.
 void checkSize(const TriangleMesh& mesh, const TextPlace& place);

@@ -1,135 +1,128 @@
 #include "preprocess/read/read_mtl.h"
 
 #include "common/error.h"
-#include "preprocess/read/read_formats.h"
-
-#include <tiny_obj_loader.h>
+#include "common/rounding.h"
+#include "preprocess/read/find_file.h"
+#include "preprocess/read/mtl_library.h"
 
 #include <algorithm>
-#include <cmath>
-#include <set>
-#include <sstream>
+#include <optional>
 
 namespace chamfer {
 namespace {
 
-using Keys = std::set<std::string, std::less<>>;
+namespace fs = std::filesystem;
 
-/// Which keys each material has: tinyobjloader returns 0 for those that are missing, as for those that are 0.
-std::map<std::string, Keys> keysOfMaterials(const std::string& text) {
-  std::map<std::string, Keys> all;
-  Keys* keys = nullptr;
-  LineReader reader(text);
-  std::string_view line;
-  std::vector<std::string_view> tokens;
-  while (reader.next(line)) {
-    splitTokens(line, tokens);
-    if (tokens.empty()) continue;
-    if (tokens[0] == "newmtl" && tokens.size() > 1)
-      keys = &all[std::string(tokens[1].data(), tokens.back().data() + tokens.back().size())];
-    else if (keys)
-      keys->emplace(tokens[0]);
-  }
-  return all;
-}
-
-class Converter {
+class Libraries {
 public:
-  Converter(const std::string& library, MaterialTable& table) : library_(library), table_(table) {}
+  Libraries(TriangleMesh& mesh, const MaterialNames& names, ReadWarnings& warnings)
+      : mesh_(mesh), names_(names), warnings_(warnings), folder_(names.mesh.parent_path()) {}
 
-  MeshMaterial operator()(const tinyobj::material_t& m, const Keys& keys) {
-    MeshMaterial r;
-    r.name = m.name;
-    const auto has = [&](std::string_view key) { return keys.find(key) != keys.end(); };
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (has("Kd") || has("map_Kd")) r.baseColor[i] = value(m, "Kd", m.diffuse[i], 0, 1, r.baseColor[i]);
-      if (has("Ke")) r.emission[i] = value(m, "Ke", m.emission[i], 0, 1e6, 0);
-    }
-    // From the Blinn-Phong exponent: alpha^2 = 2 / (Ns + 2) (Walter et al. 2007), alpha = roughness^2.
-    if (has("Pr"))
-      r.roughness = value(m, "Pr", m.roughness, 0, 1, r.roughness);
-    else if (has("Ns"))
-      r.roughness = std::pow(2 / (value(m, "Ns", m.shininess, 0, 1e6, 30) + 2), 0.25);
-    if (has("Pm")) r.metallic = value(m, "Pm", m.metallic, 0, 1, 0);
-    if (has("d") || has("Tr")) r.transmission = 1 - value(m, "d", m.dissolve, 0, 1, 1);
-    if (has("Ni")) r.ior = value(m, "Ni", m.ior, 1, 5, r.ior);
-    r.baseColorTexture = m.diffuse_texname;
-    r.roughnessTexture = m.roughness_texname;
-    r.normalTexture = m.normal_texname.empty() ? m.bump_texname : m.normal_texname;
-    return r;
+  MaterialIndex read() {
+    for (std::size_t i = 0; i < names_.libraries.size(); ++i)
+      for (const std::string& name : namesOf(names_.libraries[i]))
+        readNamed(name, names_.libraryLines[i]);
+    if (!anyRead_ && !names_.materials.empty()) readOwn();
+    return std::move(index_);
   }
 
 private:
-  double value(const tinyobj::material_t& m, const char* key, double v, double least, double most,
-               double otherwise) {
-    if (v >= least && v <= most) return v;
-    std::ostringstream text;
-    text << library_ << ": material " << inQuotes(m.name) << ": " << key << " is " << v << ", outside "
-         << least << " to " << most;
-    table_.warnings.push_back(text.str());
-    return std::isfinite(v) ? std::clamp(v, least, most) : otherwise;
+  std::optional<FoundFile> find(const std::string& name) const {
+    return findFile(name, {folder_}, names_.top);
   }
 
-  const std::string& library_;
-  MaterialTable& table_;
+  /// One name that may hold blanks; else several, each up to a word that ends in ".mtl".
+  std::vector<std::string> namesOf(const std::string& line) const {
+    if (const auto whole = find(line); whole && whole->instead.empty()) return {line};
+    std::vector<std::string_view> words;
+    splitTokens(withoutComment(line), words);
+    std::vector<std::string> names;
+    const char* begin = nullptr;
+    for (const std::string_view word : words) {
+      if (!begin) begin = word.data();
+      if (!lowerCase(word).ends_with(".mtl")) continue;
+      names.emplace_back(begin, std::size_t(word.data() + word.size() - begin));
+      begin = nullptr;
+    }
+    if (begin) names.emplace_back(begin, std::size_t(words.back().data() + words.back().size() - begin));
+    return names;
+  }
+
+  void readNamed(const std::string& name, std::size_t line) {
+    const fs::path named = namedPlace(name, folder_, names_.top);
+    if (!named.empty()) mesh_.materialFiles.push_back(named);
+    const auto found = find(name);
+    if (!found) {
+      warnings_.add("library missing " + name, {{}, line},
+                    "material library " + fileInQuotes(name) +
+                        " is not there, or outside of the folder that is read");
+      return;
+    }
+    if (!found->instead.empty())
+      warnings_.add("library elsewhere " + name, {{}, line},
+                    "material library " + fileInQuotes(name) + " is not there; " +
+                        fileInQuotes(found->instead) + " is used");
+    readFound(found->file);
+  }
+
+  /// Files whose mtllib line is lost or names a file of another name are common.
+  void readOwn() {
+    const fs::path own = fs::path(names_.mesh).replace_extension(".mtl");
+    mesh_.materialFiles.push_back(own);
+    const auto found = find(own.filename().string());
+    if (!found) return;
+    warnings_.add("own library", {},
+                  "no material library could be read that the file names; " +
+                      fileInQuotes(own.filename().string()) + " is used, which has the mesh's name");
+    readFound(found->file);
+  }
+
+  void readFound(const fs::path& file) {
+    if (mesh_.materialFiles.empty() || mesh_.materialFiles.back() != file)
+      mesh_.materialFiles.push_back(file);
+    try {
+      readMaterialLibrary(file, mesh_, index_, warnings_);
+      anyRead_ = true;
+    } catch (const Error& error) {
+      warnings_.add("library unreadable " + file.string(), {}, error.what());
+    }
+  }
+
+  TriangleMesh& mesh_;
+  const MaterialNames& names_;
+  ReadWarnings& warnings_;
+  fs::path folder_;
+  MaterialIndex index_;
+  bool anyRead_ = false;
 };
 
-void addLibrary(const std::string& name, const std::filesystem::path& file, MaterialTable& table) {
-  const std::string text = readFile(file);
-  std::istringstream stream(text);
-  std::map<std::string, int> index;
-  std::vector<tinyobj::material_t> materials;
-  std::string warning, error;
-  tinyobj::LoadMtl(&index, &materials, &stream, &warning, &error);
-  const auto keys = keysOfMaterials(text);
-  Converter convert(name, table);
-  for (const tinyobj::material_t& m : materials) {
-    const auto found = keys.find(m.name);
-    if (m.name.empty() || found == keys.end() || table.index.count(m.name) > 0) continue;
-    table.index.emplace(m.name, std::uint32_t(table.materials.size()));
-    table.materials.push_back(convert(m, found->second));
-  }
-}
-
-/// Where a library of this name would lie; empty when that is outside of `folder`.
-std::filesystem::path placeOf(std::string name, const std::filesystem::path& folder) {
-  std::replace(name.begin(), name.end(), '\\', '/');
-  const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
-  if (relative.empty() || relative.is_absolute() || *relative.begin() == "..") return {};
-  return folder / relative;
-}
-
-/// Is it a regular file, in `folder` even if links are followed?
-bool readable(const std::filesystem::path& file, const std::filesystem::path& folder) {
-  std::error_code error;
-  if (file.empty() || !std::filesystem::is_regular_file(file, error)) return false;
-  const auto top = std::filesystem::canonical(folder.empty() ? "." : folder, error);
-  const auto real = error ? std::filesystem::path() : std::filesystem::canonical(file, error);
-  return !error && std::mismatch(top.begin(), top.end(), real.begin(), real.end()).first == top.end();
+/// With a comment behind it or without.
+std::uint32_t indexOf(const MaterialIndex& index, std::string_view name) {
+  auto found = index.find(name);
+  if (found == index.end()) found = index.find(trimmed(withoutComment(name)));
+  return found == index.end() ? kNone : found->second;
 }
 
 } // namespace
 
-void readMaterialLibraries(const std::string& line, const std::filesystem::path& folder,
-                           MaterialTable& table) {
-  std::vector<std::string> names{line};
-  if (!readable(placeOf(line, folder), folder)) {
-    std::vector<std::string_view> tokens;
-    splitTokens(line, tokens);
-    names.assign(tokens.begin(), tokens.end());
+void addMaterials(TriangleMesh& mesh, const MaterialNames& names, ReadWarnings& warnings) {
+  const MaterialIndex index = Libraries(mesh, names, warnings).read();
+  std::vector<std::uint32_t> indices;
+  for (std::size_t i = 0; i < names.materials.size(); ++i) {
+    indices.push_back(indexOf(index, names.materials[i]));
+    if (indices.back() == kNone)
+      warnings.add("no material", {{}, names.materialLines[i]}, [&] {
+        return "material " + inQuotes(names.materials[i]) +
+               (names.libraries.empty() ? " is used, but the file names no material library"
+                                        : " is in no material library that was read") +
+               "; its faces have the default material";
+      });
   }
-  for (const std::string& name : names) {
-    const std::filesystem::path file = placeOf(name, folder);
-    if (!file.empty()) table.files.push_back(file);
-    try {
-      if (!readable(file, folder))
-        table.warnings.push_back("material library " + inQuotes(name) + " is not there; none is used");
-      else
-        addLibrary(name, file, table);
-    } catch (const Error& error) {
-      table.warnings.push_back(error.what());
-    }
-  }
+  for (std::uint32_t& material : mesh.materialOfTriangle)
+    if (material != kNone) material = indices[material];
+  const auto& of = mesh.materialOfTriangle;
+  if (std::all_of(of.begin(), of.end(), [](std::uint32_t m) { return m == kNone; }))
+    mesh.materialOfTriangle.clear();
 }
 
 } // namespace chamfer

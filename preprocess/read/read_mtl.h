@@ -1,28 +1,31 @@
-// Material libraries (MTL), read by tinyobjloader: base colour, and the PBR keys where a library has them.
+// The materials of an OBJ: its libraries found, read and matched with the names that its faces use.
 #pragma once
 
 #include "preprocess/mesh.h"
+#include "preprocess/read/read_warnings.h"
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
 namespace chamfer {
 
-struct MaterialTable {
-  std::vector<MeshMaterial> materials;
-  std::map<std::string, std::uint32_t, std::less<>>
-      index; ///< by name, into materials; the first of a name counts
-  std::vector<std::string> warnings;
-  std::vector<std::filesystem::path> files; ///< that were looked for, there or not
+/// What an OBJ names.
+struct MaterialNames {
+  std::filesystem::path mesh; ///< the OBJ: libraries are looked for beside it
+  std::filesystem::path top;  ///< nothing outside of this folder is read
+  std::vector<std::string>
+      libraries; ///< the rest of each mtllib line: one name, with blanks or without, or several
+  std::vector<std::size_t> libraryLines;
+  std::vector<std::string>
+      materials; ///< what usemtl lines name: what mesh.materialOfTriangle holds indices into
+  std::vector<std::size_t> materialLines; ///< of the first usemtl of each
 };
 
-/// Adds the materials of the libraries that one mtllib line names: one file whose name may hold blanks, or
-/// several names between blanks. Files are looked for in `folder` and below it, nowhere else, whatever the
-/// line says, and not through symbolic links either. A library that is missing, unreadable or holds values
-/// out of range is a warning, never an error.
-void readMaterialLibraries(const std::string& line, const std::filesystem::path& folder,
-                           MaterialTable& table);
+/// Adds the materials of the libraries to `mesh` and turns materialOfTriangle into indices into them. Where
+/// no library can be read, one beside the OBJ with the OBJ's own name is taken. A library that is missing or
+/// unreadable, a name that none has, and a value that is no number or out of range are warnings, never
+/// errors.
+void addMaterials(TriangleMesh& mesh, const MaterialNames& names, ReadWarnings& warnings);
 
 } // namespace chamfer

@@ -1,140 +1,19 @@
-// PLY: ASCII, binary little-endian and big-endian. Elements in any order, polygons of any size, properties
-// that we do not use skipped by their declared type. A reader of our own: CGAL's lets vertex indices out of
-// range pass and names no place, OpenMesh's returns true for files that end early or hold words for numbers.
+// PLY (Turk's): ASCII, binary little-endian and big-endian. Elements in any order; polygons of any size,
+// triangle strips; texture coordinates of vertices or of corners ("texcoord"). Properties and elements of
+// other names are read over by their declared type, with a warning; normals without one. A reader of our own:
+// CGAL's lets vertex indices out of range pass and names no place, OpenMesh's returns true for files that end
+// early or hold words for numbers.
 #include "common/rounding.h"
 #include "preprocess/read/read_formats.h"
-#include "preprocess/read/read_ply_header.h"
+#include "preprocess/read/read_ply_body.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace chamfer {
 namespace {
 
-using ply::Element, ply::Encoding, ply::Header, ply::Kind, ply::Property;
-
-std::size_t sizeOf(Kind kind) {
-  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes[std::size_t(kind)];
-}
-
-/// Values one after the other from the body, in the encoding of the file.
-class Body {
-public:
-  Body(std::string_view bytes, const Header& header, std::string_view name)
-      : bytes_(bytes), at_(header.bytes), encoding_(header.encoding), place_{name},
-        headerLines_(header.lines), lines_(bytes.substr(header.bytes)) {}
-
-  /// Begins an element; in ASCII each has its own line.
-  void begin(const Element& element, std::size_t index) {
-    element_ = &element;
-    index_ = index;
-    if (encoding_ != Encoding::Ascii) return;
-    next_ = 0;
-    do {
-      std::string_view line;
-      if (!lines_.next(line)) fail("the file ends before it");
-      place_.line = headerLines_ + lines_.number();
-      splitTokens(line, tokens_);
-    } while (tokens_.empty());
-  }
-
-  void end() {
-    if (encoding_ == Encoding::Ascii && next_ != tokens_.size()) fail("more values than declared");
-  }
-
-  /// Behind the last element: blank lines, or bytes that are worth a warning.
-  void finish(std::vector<std::string>& warnings) {
-    std::string_view line;
-    if (!ascii() && at_ < bytes_.size())
-      warnings.push_back(std::to_string(bytes_.size() - at_) + " bytes behind the last element are not read");
-    while (ascii() && lines_.next(line)) {
-      place_.line = headerLines_ + lines_.number();
-      splitTokens(line, tokens_);
-      if (!tokens_.empty()) malformed(place_, inQuotes(tokens_[0]) + " behind the last declared element");
-    }
-  }
-
-  /// A value as a double; whatever it is.
-  double value(Kind kind, const char* what, bool used) {
-    if (encoding_ == Encoding::Ascii) {
-      if (next_ == tokens_.size()) fail("fewer values than declared");
-      const std::string_view token = tokens_[next_++];
-      if (used) return parseReal(token, what, place_);
-      checkNumber(token, what, place_);
-      return 0;
-    }
-    const std::size_t size = sizeOf(kind);
-    if (bytes_.size() - at_ < size) fail("the file ends in it, at byte " + std::to_string(bytes_.size()));
-    std::array<char, 8> raw{};
-    const bool swapped = (encoding_ == Encoding::Big) != (std::endian::native == std::endian::big);
-    for (std::size_t i = 0; i < size; ++i)
-      raw[swapped ? size - 1 - i : i] = bytes_[at_ + i];
-    at_ += size;
-    const double v = decode(raw, kind);
-    if (used && !std::isfinite(v)) fail(std::string(what) + " is not finite");
-    return v;
-  }
-
-  /// A count or index from 0 to `most`.
-  std::uint32_t whole(Kind kind, const char* what, std::uint32_t most) {
-    const double v = value(kind, what, true);
-    if (v != std::floor(v) || v < 0 || v > most) {
-      fail(std::string(what) + " " + std::to_string(v) + " is not a whole number from 0 to " +
-           std::to_string(most));
-    }
-    return std::uint32_t(v);
-  }
-
-  [[noreturn]] void fail(const std::string& what) const {
-    malformed(place_, element_->name + " " + std::to_string(index_) + " of " +
-                          std::to_string(element_->count) + ": " + what);
-  }
-
-  std::size_t left() const { return ascii() ? lines_.left() : bytes_.size() - at_; }
-  const TextPlace& place() const { return place_; }
-  bool ascii() const { return encoding_ == Encoding::Ascii; }
-
-private:
-  static double decode(const std::array<char, 8>& raw, Kind kind) {
-    const auto as = [&]<class T>(T v) {
-      std::memcpy(&v, raw.data(), sizeof v);
-      return double(v);
-    };
-    switch (kind) {
-    case Kind::I8:
-      return as(std::int8_t{});
-    case Kind::U8:
-      return as(std::uint8_t{});
-    case Kind::I16:
-      return as(std::int16_t{});
-    case Kind::U16:
-      return as(std::uint16_t{});
-    case Kind::I32:
-      return as(std::int32_t{});
-    case Kind::U32:
-      return as(std::uint32_t{});
-    case Kind::F32:
-      return as(float{});
-    case Kind::F64:
-      return as(double{});
-    }
-    return 0;
-  }
-
-  std::string_view bytes_;
-  std::size_t at_;
-  Encoding encoding_;
-  TextPlace place_;
-  std::size_t headerLines_;
-  LineReader lines_; ///< ASCII only; at_ is for the others
-  std::vector<std::string_view> tokens_;
-  std::size_t next_ = 0;
-  const Element* element_ = nullptr;
-  std::size_t index_ = 0;
-};
+using ply::Body, ply::Element, ply::Header, ply::Property;
 
 class PlyReader {
 public:
@@ -142,22 +21,41 @@ public:
       : header_(ply::readHeader(bytes, name)), body_(bytes, header_, name), name_(name) {}
 
   TriangleMesh run() {
-    const Element* vertices = nullptr;
-    for (const Element& element : header_.elements) {
+    const auto& all = header_.elements;
+    const auto vertices =
+        std::find_if(all.begin(), all.end(), [](const Element& e) { return e.name == "vertex"; });
+    if (vertices == all.end()) malformed({name_}, "the header declares no element named vertex");
+    if (vertices->count > kNone)
+      malformed({name_, vertices->line}, "more vertices than 32-bit indices can name");
+    vertices_ = std::uint32_t(vertices->count);
+    vertexUv_ =
+        vertices->find(kU) < vertices->properties.size() && vertices->find(kV) < vertices->properties.size();
+    for (const Element& element : all) {
       checkCount(element);
-      if (element.name == "vertex" && !vertices)
-        readVertices(*(vertices = &element));
-      else if (element.name == "face" && vertices)
+      if (&element == &*vertices)
+        readVertices(element);
+      else if (element.name == "face")
         readFaces(element);
+      else if (element.name == "tristrips")
+        readStrips(element);
       else
         skip(element);
     }
-    if (!vertices) malformed({name_}, "no element named vertex before the faces");
-    body_.finish(mesh_.warnings);
+    if (const std::size_t behind = body_.finish(); behind > 0)
+      warnings_.add("behind", {}, std::to_string(behind) + " bytes behind the last element are not read");
+    if (header_.textureLine > 0)
+      warnings_.add("texture", {{}, header_.textureLine},
+                    "the texture that the comment names is not used: name it in a scene file");
+    settleTextureCoordinates(mesh_);
+    mesh_.warnings = warnings_.texts();
     return std::move(mesh_);
   }
 
 private:
+  static constexpr std::initializer_list<const char*> kU{"u", "s", "texture_u", "texcoord_u", "tx", "tu"},
+      kV{"v", "t", "texture_v", "texcoord_v", "ty", "tv"}, kIndices{"vertex_indices", "vertex_index"},
+      kWedges{"texcoord", "texcoords"}, kNormals{"nx", "ny", "nz", "normal_x", "normal_y", "normal_z"};
+
   /// Every property takes a byte at least, so larger counts are wrong whatever follows.
   void checkCount(const Element& element) const {
     const std::size_t least = std::max<std::size_t>(1, element.properties.size());
@@ -167,68 +65,176 @@ private:
                                            " bytes follow");
   }
 
+  /// Names the properties that are read over.
+  void warnUnused(const Element& e, std::initializer_list<std::size_t> used) {
+    constexpr std::size_t kMost = 20;
+    std::string list;
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < e.properties.size(); ++p) {
+      const auto is = [&](const char* name) { return e.properties[p].name == name; };
+      if (std::find(used.begin(), used.end(), p) != used.end()) continue;
+      if (std::any_of(kNormals.begin(), kNormals.end(), is)) continue;
+      if (count++ < kMost) list += (list.empty() ? "" : ", ") + inQuotes(e.properties[p].name);
+    }
+    if (count > kMost) list += " and " + std::to_string(count - kMost) + " more";
+    if (count > 0 && e.count > 0)
+      warnings_.add("unused " + e.name, {{}, e.line},
+                    "properties of " + inQuotes(e.name) + " that are not used: " + list);
+  }
+
   void readVertices(const Element& e) {
     const std::size_t none = e.properties.size();
-    const std::size_t at[5] = {e.find({"x"}), e.find({"y"}), e.find({"z"}), e.find({"u", "s", "texture_u"}),
-                               e.find({"v", "t", "texture_v"})};
-    if (at[0] == none || at[1] == none || at[2] == none)
-      malformed({name_, e.line}, "the vertices have no properties x, y and z");
-    const bool uv = at[3] != none && at[4] != none;
+    const std::size_t at[5] = {e.find({"x"}), e.find({"y"}), e.find({"z"}), vertexUv_ ? e.find(kU) : none,
+                               vertexUv_ ? e.find(kV) : none};
+    for (int i = 0; i < 3; ++i)
+      if (at[i] == none || e.properties[at[i]].countKind)
+        malformed({name_, e.line}, "the vertices have no properties x, y and z that are numbers");
+    warnUnused(e, {at[0], at[1], at[2], at[3], at[4]});
     mesh_.positions.reserve(e.count);
     for (std::size_t i = 0; i < e.count; ++i) {
       body_.begin(e, i);
       double values[5] = {};
       for (std::size_t p = 0; p < none; ++p) {
-        const auto slot = std::size_t(std::find(at, at + (uv ? 5 : 3), p) - at);
-        if (e.properties[p].countKind || slot >= (uv ? 5u : 3u))
+        const auto slot = std::size_t(std::find(at, at + 5, p) - at);
+        if (e.properties[p].countKind || slot >= 5)
           skip(e.properties[p]);
         else
-          values[slot] = body_.value(e.properties[p].kind, e.properties[p].name.c_str(), true);
+          values[slot] = body_.value(e.properties[p].kind, e.properties[p].name.c_str(), slot < 3);
       }
       body_.end();
       mesh_.positions.emplace_back(values[0], values[1], values[2]);
-      if (uv) mesh_.uvs.push_back({float(values[3]), float(values[4])});
+      if (vertexUv_) addCoordinate(values[3], values[4]);
     }
   }
 
+  void addCoordinate(double u, double v) {
+    std::array<float, 2> uv{float(u), float(v)};
+    if (!std::isfinite(uv[0]) || !std::isfinite(uv[1])) {
+      warnings_.add("bad uv", warned(), "a texture coordinate is not finite; what names it has none");
+      uv[0] = NAN;
+    }
+    mesh_.uvs.push_back(uv);
+  }
+
+  TextPlace warned() const { return {{}, body_.ascii() ? body_.place().line : 0}; }
+
   void readFaces(const Element& e) {
-    const std::size_t list = e.find({"vertex_indices", "vertex_index"});
-    if (list == e.properties.size() || !e.properties[list].countKind)
+    const std::size_t list = e.find(kIndices), wedges = e.find(kWedges), none = e.properties.size();
+    if (e.count > 0 && (list == none || !e.properties[list].countKind))
       malformed({name_, e.line}, "the faces have no list vertex_indices");
+    const bool wedgeUv = wedges != none && e.properties[wedges].countKind;
+    warnUnused(e, {list, wedgeUv ? wedges : none});
     for (std::size_t i = 0; i < e.count; ++i) {
       body_.begin(e, i);
-      for (std::size_t p = 0; p < e.properties.size(); ++p)
+      if (body_.ascii()) mesh_.lineOfFace.push_back(std::uint32_t(body_.place().line));
+      wedges_.clear();
+      for (std::size_t p = 0; p < none; ++p)
         if (p == list)
           readCorners(e.properties[p]);
+        else if (p == wedges && wedgeUv)
+          readWedges(e.properties[p]);
         else
           skip(e.properties[p]);
       body_.end();
-      if (body_.ascii()) mesh_.lineOfFace.push_back(std::uint32_t(body_.place().line));
-      appendPolygon(mesh_, std::uint32_t(i), corners_,
-                    mesh_.uvs.empty() ? std::span<std::uint32_t>() : corners_);
+      addFace();
     }
   }
 
   void readCorners(const Property& property) {
-    const std::uint32_t count = body_.whole(*property.countKind, "the number of corners", kNone);
+    const std::uint32_t count = length(property, "the number of corners");
     if (count < 3) body_.fail("a face has at least 3 corners, here are " + std::to_string(count));
-    if (!body_.ascii() && count > body_.left())
-      body_.fail(std::to_string(count) + " corners do not fit in what is left of the file");
     corners_.clear();
-    if (mesh_.positions.empty()) body_.fail("a face without vertices");
     for (std::uint32_t k = 0; k < count; ++k)
-      corners_.push_back(
-          body_.whole(property.kind, "vertex index", std::uint32_t(mesh_.positions.size() - 1)));
+      corners_.push_back(index(property));
+    warnRepeats(corners_, warned(), warnings_);
+  }
+
+  void readWedges(const Property& property) {
+    const std::uint32_t count = length(property, "the length of a list");
+    for (std::uint32_t k = 0; k < count; ++k)
+      wedges_.push_back(body_.value(property.kind, property.name.c_str(), false));
+  }
+
+  std::uint32_t length(const Property& property, const char* what) {
+    const std::uint32_t count = body_.whole(*property.countKind, what, kNone);
+    if (count > body_.left())
+      body_.fail(std::to_string(count) + " values do not fit in what is left of the file");
+    return count;
+  }
+
+  std::uint32_t index(const Property& property) {
+    if (vertices_ == 0) body_.fail("a face without vertices");
+    return body_.whole(property.kind, "vertex index", vertices_ - 1);
+  }
+
+  /// The polygon of corners_, with the coordinates of its corners or of its vertices.
+  void addFace() {
+    uvs_.clear();
+    if (wedges_.size() == 2 * corners_.size()) {
+      for (std::size_t k = 0; k < corners_.size(); ++k) {
+        uvs_.push_back(std::uint32_t(mesh_.uvs.size()));
+        addCoordinate(wedges_[2 * k], wedges_[2 * k + 1]);
+      }
+    } else if (vertexUv_) {
+      uvs_ = corners_;
+    }
+    if (!uvs_.empty() && mesh_.uvTriangles.empty())
+      mesh_.uvTriangles.assign(mesh_.triangles.size(), {kNone, kNone, kNone});
+    if (uvs_.empty() && !mesh_.uvTriangles.empty()) uvs_.assign(corners_.size(), kNone);
+    appendPolygon(mesh_, faces_++, corners_, uvs_);
+  }
+
+  /// Lists of strips: every corner from the third on makes a triangle with the two before it, every second
+  /// one turned; -1 begins a new strip.
+  void readStrips(const Element& e) {
+    const std::size_t list = e.find(kIndices), none = e.properties.size();
+    if (e.count > 0 && (list == none || !e.properties[list].countKind))
+      malformed({name_, e.line}, "the triangle strips have no list vertex_indices");
+    warnUnused(e, {list});
+    for (std::size_t i = 0; i < e.count; ++i) {
+      body_.begin(e, i);
+      for (std::size_t p = 0; p < none; ++p)
+        if (p == list)
+          readStrip(e.properties[p]);
+        else
+          skip(e.properties[p]);
+      body_.end();
+    }
+  }
+
+  void readStrip(const Property& property) {
+    const std::uint32_t count = length(property, "the length of a strip");
+    std::vector<std::uint32_t> strip;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const double v = body_.value(property.kind, "vertex index", true);
+      if (v == -1) {
+        strip.clear();
+        continue;
+      }
+      if (v != std::floor(v) || v < 0 || v >= vertices_)
+        body_.fail("vertex index " + numberText(v) + " is neither -1 nor one of " +
+                   std::to_string(vertices_) + " vertices");
+      strip.push_back(std::uint32_t(v));
+      const std::size_t n = strip.size();
+      if (n < 3) continue;
+      const std::size_t turned = n % 2 == 0;
+      corners_ = {strip[n - 3 + turned], strip[n - 2 - turned], strip[n - 1]};
+      wedges_.clear();
+      if (body_.ascii()) mesh_.lineOfFace.push_back(std::uint32_t(body_.place().line));
+      addFace();
+    }
   }
 
   void skip(const Property& property) {
-    const std::uint32_t count =
-        property.countKind ? body_.whole(*property.countKind, "the length of a list", kNone) : 1;
+    const std::uint32_t count = property.countKind ? length(property, "the length of a list") : 1;
     for (std::uint32_t k = 0; k < count; ++k)
       body_.value(property.kind, property.name.c_str(), false);
   }
 
   void skip(const Element& e) {
+    if (e.count > 0)
+      warnings_.add("element " + e.name, {{}, e.line},
+                    std::to_string(e.count) + " elements " + inQuotes(e.name) + " are not used");
     for (std::size_t i = 0; i < e.count; ++i) {
       body_.begin(e, i);
       for (const Property& property : e.properties)
@@ -240,14 +246,18 @@ private:
   Header header_;
   Body body_;
   std::string_view name_;
-  std::vector<std::uint32_t> corners_;
+  ReadWarnings warnings_;
+  std::uint32_t vertices_ = 0, faces_ = 0;
+  bool vertexUv_ = false;
+  std::vector<std::uint32_t> corners_, uvs_;
+  std::vector<double> wedges_;
   TriangleMesh mesh_;
 };
 
 } // namespace
 
 TriangleMesh readPly(std::string_view bytes, std::string_view name) {
-  TriangleMesh mesh = PlyReader(bytes, name).run();
+  TriangleMesh mesh = PlyReader(withoutByteOrderMark(bytes, name), name).run();
   checkSize(mesh, {name});
   return mesh;
 }

@@ -30,11 +30,17 @@ Header readHeader(std::string_view bytes, std::string_view name) {
     splitTokens(line, t);
     if (place.line == 1 && (t.size() != 1 || t[0] != "ply"))
       malformed(place, "no PLY: the first line is not \"ply\"");
+    if (t.size() > 2 && t[0] == "comment" && t[1] == "TextureFile" && header.textureLine == 0)
+      header.textureLine = place.line;
     if (place.line == 1 || t.empty() || t[0] == "comment" || t[0] == "obj_info") continue;
     if (t[0] == "end_header") {
       if (!format) malformed(place, "the header has no format line");
       header.lines = reader.number();
       header.bytes = reader.offset();
+      // Where lines end in "\r" alone, a "\n" behind the last one is the first byte of the body.
+      if (const std::size_t first = bytes.find_first_of("\r\n");
+          bytes[first] == '\r' && bytes[first + 1] != '\n' && bytes.substr(0, header.bytes).ends_with("\r\n"))
+        --header.bytes;
       return header;
     }
     if (t[0] == "format" && t.size() == 3) {

@@ -34,6 +34,7 @@ struct Header {
   Encoding encoding = Encoding::Ascii;
   std::vector<Element> elements;
   std::size_t lines = 0, bytes = 0; ///< up to and with end_header
+  std::size_t textureLine = 0; ///< of the first comment that names a texture (MeshLab's TextureFile); 0: none
 };
 
 /// Throws Error(Malformed) with the line.

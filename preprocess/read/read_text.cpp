@@ -43,14 +43,6 @@ void malformed(const TextPlace& place, const std::string& what) {
   throw Error(ErrorKind::Malformed, text + ": " + what);
 }
 
-std::string inQuotes(std::string_view token) {
-  constexpr std::size_t kMost = 40;
-  std::string text = "\"";
-  for (const char c : token.substr(0, kMost))
-    text += c >= ' ' && c <= '~' ? c : '?';
-  return text + (token.size() > kMost ? "...\"" : "\"");
-}
-
 double parseReal(std::string_view token, const char* what, const TextPlace& place) {
   double value = 0;
   if (!parseDouble(token, value))
@@ -59,10 +51,17 @@ double parseReal(std::string_view token, const char* what, const TextPlace& plac
   return value;
 }
 
-void checkNumber(std::string_view token, const char* what, const TextPlace& place) {
+double checkNumber(std::string_view token, const char* what, const TextPlace& place) {
   double value = 0;
   if (!parseDouble(token, value))
     malformed(place, std::string(what) + " " + inQuotes(token) + " is not a number");
+  return value;
+}
+
+std::optional<double> finiteNumber(std::string_view token) {
+  double value = 0;
+  if (!parseDouble(token, value) || !std::isfinite(value)) return std::nullopt;
+  return value;
 }
 
 std::uint64_t parseCount(std::string_view token, std::uint64_t most, const char* what,
@@ -100,11 +99,11 @@ void splitTokens(std::string_view line, std::vector<std::string_view>& tokens) {
 
 std::string_view withoutComment(std::string_view line) { return line.substr(0, line.find('#')); }
 
-std::string lowerCase(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return lower;
+std::string_view withoutByteOrderMark(std::string_view text, std::string_view file) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    malformed({file}, "the text is UTF-16; save it as UTF-8");
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
 }
 
 bool LineReader::next(std::string_view& line) {
@@ -117,6 +116,29 @@ bool LineReader::next(std::string_view& line) {
   at_ = end + (end + 1 == newline_ && newline_ < text_.size() ? 2 : 1);
   at_ = std::min(at_, text_.size());
   ++number_;
+  return true;
+}
+
+bool ContinuedLineReader::next(std::string_view& line) {
+  const auto goesOn = [&] {
+    const std::size_t last = line.find_last_not_of(" \t");
+    if (last == std::string_view::npos || line[last] != '\\' || line.find('#') != std::string_view::npos)
+      return false;
+    line = line.substr(0, last);
+    return true;
+  };
+  if (!lines_.next(line)) return false;
+  number_ = lines_.number();
+  if (!goesOn()) return true;
+  joined_.clear();
+  while (true) {
+    joined_ += line;
+    joined_ += ' ';
+    line = {};
+    if (!lines_.next(line) || !goesOn()) break;
+  }
+  joined_ += line;
+  line = joined_;
   return true;
 }
 

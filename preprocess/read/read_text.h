@@ -2,9 +2,11 @@
 // Shared by the readers of OBJ, OFF, PLY and STL; nothing here knows a format.
 #pragma once
 
+#include "common/text.h"
 #include "common/vec.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,15 +23,16 @@ struct TextPlace {
 /// Throws Error(Malformed): place, then `what`.
 [[noreturn]] void malformed(const TextPlace& place, const std::string& what);
 
-/// A token for a message: in quotes, at most 40 characters, unprintable ones as '?'.
-std::string inQuotes(std::string_view token);
-
 /// A finite number in full; "1,5", "0x1p3", "nan", "1e999" and "3.1+e2" are errors. `what` names the field.
 /// A number too small for a double is 0.
 double parseReal(std::string_view token, const char* what, const TextPlace& place);
 
-/// The same, but nan and inf pass: for colours and normals, whose values nobody uses.
-void checkNumber(std::string_view token, const char* what, const TextPlace& place);
+/// The same, but nan and inf pass: for colours, normals and texture coordinates, which are no fault of the
+/// shape.
+double checkNumber(std::string_view token, const char* what, const TextPlace& place);
+
+/// The finite number that `token` is in full; nothing when it is none.
+std::optional<double> finiteNumber(std::string_view token);
 
 /// A whole decimal number from 0 to `most`.
 std::uint64_t parseCount(std::string_view token, std::uint64_t most, const char* what,
@@ -44,8 +47,8 @@ void splitTokens(std::string_view line, std::vector<std::string_view>& tokens);
 /// `line` up to a '#'.
 std::string_view withoutComment(std::string_view line);
 
-/// Lower-case copy (ASCII).
-std::string lowerCase(std::string_view text);
+/// `text` without the byte order mark of UTF-8. Throws Error(Malformed) where it begins with that of UTF-16.
+std::string_view withoutByteOrderMark(std::string_view text, std::string_view file);
 
 /// Goes through a text line by line; "\n", "\r\n" and "\r" end a line, the last one may lack its end.
 class LineReader {
@@ -59,6 +62,21 @@ public:
 private:
   std::string_view text_;
   std::size_t at_ = 0, number_ = 0, newline_ = 0;
+};
+
+/// The same line by line of what is meant: a line whose last character other than a blank is '\\' goes on in
+/// the next one, unless it holds a '#' (a comment's path may end so).
+class ContinuedLineReader {
+public:
+  explicit ContinuedLineReader(std::string_view text) : lines_(text) {}
+  /// `line` is valid until the next call.
+  bool next(std::string_view& line);
+  std::size_t number() const { return number_; } ///< of the first line of what next() gave last, 1-based
+
+private:
+  LineReader lines_;
+  std::string joined_;
+  std::size_t number_ = 0;
 };
 
 } // namespace chamfer

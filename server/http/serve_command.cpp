@@ -1,5 +1,7 @@
 #include "server/http/serve_command.h"
 
+#include "common/text.h"
+
 #include "server/http/connection/http_server.h"
 #include "server/http/monitoring/log.h"
 #include "server/http/service.h"
@@ -68,8 +70,7 @@ ServiceOptions serviceOptions(const ServeCommandOptions& options) {
     service.hosts.push_back(options.host);
     service.hosts.insert(service.hosts.end(), options.allowHosts.begin(), options.allowHosts.end());
     for (std::string& name : service.hosts) // names are compared in lower case
-      for (char& c : name)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+      name = lowerCase(name);
   }
   return service;
 }

@@ -1,9 +1,11 @@
-// Mesh files: any bytes are refused as malformed, or are a mesh whose indices are in range and whose numbers
-// are finite. The first byte chooses the format. An OBJ may carry its material library behind a line "#MTL".
+// Mesh files: any bytes are refused as malformed, or are a mesh whose indices are in range, whose numbers are
+// finite, and which reads back as itself when it is written as OBJ; and what is said of them is printable.
+// The first byte chooses the format. An OBJ may carry its material library behind a line "#MTL".
 #include "common/error.h"
 #include "common/rounding.h"
 #include "preprocess/read/read_formats.h"
 #include "tests/fuzz/require.h"
+#include "tests/support/obj_text.h"
 
 #include <cmath>
 #include <fstream>
@@ -50,6 +52,10 @@ TriangleMesh read(unsigned format, std::string_view bytes) {
   }
 }
 
+bool isPrintable(const std::string& message) {
+  return chamfer::printable(message, message.size()) == message;
+}
+
 void check(const TriangleMesh& mesh) {
   for (const chamfer::Point3& p : mesh.positions)
     REQUIRE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
@@ -57,6 +63,11 @@ void check(const TriangleMesh& mesh) {
     for (const std::uint32_t corner : triangle)
       REQUIRE(corner < mesh.positions.size());
   REQUIRE(mesh.faceOfTriangle.size() == mesh.triangles.size());
+  for (const std::uint32_t face : mesh.faceOfTriangle)
+    REQUIRE(mesh.lineOfFace.empty() || face < mesh.lineOfFace.size());
+  for (const auto& uv : mesh.uvs)
+    REQUIRE(std::isfinite(uv[0]) && std::isfinite(uv[1]));
+  REQUIRE(mesh.uvs.empty() == mesh.uvTriangles.empty());
   REQUIRE(mesh.uvTriangles.empty() || mesh.uvTriangles.size() == mesh.triangles.size());
   for (const auto& triangle : mesh.uvTriangles)
     for (const std::uint32_t corner : triangle)
@@ -70,8 +81,15 @@ void check(const TriangleMesh& mesh) {
               std::isfinite(m.emission[i]));
     for (const double share : {m.roughness, m.metallic, m.transmission})
       REQUIRE(share >= 0 && share <= 1);
-    REQUIRE(std::isfinite(m.ior));
+    REQUIRE(m.ior >= 1 && m.ior <= 4);
+    for (const chamfer::MeshTexture* t : {&m.baseColorTexture, &m.roughnessTexture, &m.normalTexture})
+      for (const double number : {t->scale[0], t->scale[1], t->offset[0], t->offset[1], t->strength})
+        REQUIRE(std::isfinite(number));
   }
+  REQUIRE(mesh.warnings.size() <= chamfer::ReadWarnings::kMost + 1);
+  for (const std::string& warning : mesh.warnings)
+    REQUIRE(isPrintable(warning));
+  REQUIRE(sameShape(chamfer::readObj(chamfer::objText(mesh), folder() / "again.obj"), mesh));
 }
 
 } // namespace
@@ -82,6 +100,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check(read(data[0], {reinterpret_cast<const char*>(data) + 1, size - 1}));
   } catch (const chamfer::Error& error) {
     REQUIRE(error.kind() == chamfer::ErrorKind::Malformed);
+    REQUIRE(isPrintable(error.what()));
   }
   return 0;
 }

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "tests/preprocess/mesh_files.h"
+#include "tests/support/obj_text.h"
 #include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 namespace chamfer {
 
@@ -16,16 +16,6 @@ inline std::string contentOf(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   EXPECT_TRUE(file) << path;
   return {std::istreambuf_iterator<char>(file), {}};
-}
-
-inline std::string objText(const TriangleMesh& mesh) {
-  std::ostringstream text;
-  text.precision(17);
-  for (const Point3& p : mesh.positions)
-    text << "v " << p.x << ' ' << p.y << ' ' << p.z << '\n';
-  for (const auto& t : mesh.triangles)
-    text << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
-  return text.str();
 }
 
 class Chamferprep : public MeshFiles {

@@ -220,5 +220,24 @@ TEST_F(Chamferprep, ExplainsItself) {
   EXPECT_THAT(version.out, testing::StartsWith("chamferprep "));
 }
 
+TEST_F(Chamferprep, WhatReadingWarnsOfIsInEveryReport) {
+  const std::string text = "l 1 2\ncall more.obj\n" + objText(box());
+  const std::string mesh = write("warned.obj", text).string();
+  const std::vector<std::string> expected{
+      "line 1: \"l\" is no part of a surface and not read",
+      "line 2: \"call\" is not followed: no other file is read for it and no command run"};
+  EXPECT_EQ(report({mesh, "--radius", "2%"}).at("warnings"), expected);
+  EXPECT_THAT(run({mesh, "--radius", "2%"}).out, HasSubstr("warning: " + expected[1]));
+  // A mesh that is refused, too: what was not read may be why.
+  TriangleMesh open = box();
+  open.triangles.pop_back();
+  const std::string refused = write("open.obj", "call more.obj\n" + objText(open)).string();
+  const test::ProgramRun r = run({refused, "--radius", "2%", "--json"});
+  EXPECT_EQ(r.status, 4);
+  EXPECT_THAT(nlohmann::json::parse(r.out).at("warnings").dump(), HasSubstr("call"));
+  EXPECT_THAT(r.err, HasSubstr("warning: line 1: \"call\""));
+  EXPECT_EQ(run({refused, "--radius", "2%", "--quiet"}).err.find("warning"), std::string::npos);
+}
+
 } // namespace
 } // namespace chamfer

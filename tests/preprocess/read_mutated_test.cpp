@@ -1,8 +1,10 @@
-// Readers on damaged files: a valid mesh or Error(Malformed), whatever the bytes.
+// Readers on damaged files: a valid mesh that reads back as itself from OBJ, or Error(Malformed), whatever
+// the bytes.
 #include "common/error.h"
 #include "common/rounding.h"
 #include "preprocess/components/solids.h"
 #include "preprocess/read/read_formats.h"
+#include "tests/support/obj_text.h"
 
 #include <cmath>
 #include <functional>
@@ -26,6 +28,9 @@ void expectValid(const TriangleMesh& mesh) {
     for (const std::uint32_t v : t)
       ASSERT_TRUE(v == kNone || v < mesh.uvs.size());
   ASSERT_TRUE(mesh.materialOfTriangle.empty() || mesh.materialOfTriangle.size() == mesh.triangles.size());
+  for (const std::string& warning : mesh.warnings)
+    ASSERT_EQ(printable(warning, warning.size()), warning);
+  ASSERT_TRUE(sameShape(readObj(objText(mesh), "again.obj"), mesh));
 }
 
 /// Changes, drops, doubles and swaps in bytes, pieces copied elsewhere, and words that break number parsers.

@@ -1,5 +1,7 @@
 #include "tests/preprocess/mesh_files.h"
 
+#include "common/rounding.h"
+
 #include <gmock/gmock.h>
 
 namespace chamfer {
@@ -72,6 +74,27 @@ TEST_F(ReadOff, RefusesBodiesThatAreNotAsCounted) {
   EXPECT_THAT(message(kVertices + "3 0 1 -2\n3 0 1 2\n"), HasSubstr("\"-2\""));
   EXPECT_THAT(message(kVertices + "3 0 1 2 1 2 3 4 5\n"), HasSubstr("5 numbers behind"));
   EXPECT_THAT(message(kVertices + "3 0 1 2\n3 0 2 3\n3 0 1 3\n"), HasSubstr("behind the last of 2 faces"));
+}
+
+TEST_F(ReadOff, TheKeywordMayBeMissing) {
+  const TriangleMesh mesh = read("a.off", "4 2 0\n" + kVertices + "3 0 1 2\n3 0 2 3\n");
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_THAT(mesh.warnings, ElementsAre(HasSubstr("line 1: the keyword OFF is missing")));
+  EXPECT_EQ(read("a.off", "\xef\xbb\xbfOFF\n4 1 0\n" + kVertices + "3 0 1 2\n").triangles.size(), 1u);
+}
+
+TEST_F(ReadOff, TextureCoordinatesAreReadAndColoursNamed) {
+  const TriangleMesh st = read("a.off", "STOFF\n3 1 0\n0 0 0 .25 .5\n1 0 0 1 nan\n0 1 0 .5 1\n3 0 1 2\n");
+  EXPECT_EQ(st.uvs[0], (std::array<float, 2>{0.25f, 0.5f}));
+  EXPECT_THAT(st.uvTriangles, ElementsAre(Corners{0, kNone, 2}));
+  EXPECT_THAT(st.warnings, ElementsAre(HasSubstr("line 4: a texture coordinate")));
+  const TriangleMesh c =
+      read("a.off", "COFF\n3 1 0\n0 0 0 1 0 0 1\n1 0 0 1 0 0 1\n0 1 0 1 0 0 1\n3 0 1 2 255 0 0\n");
+  EXPECT_THAT(c.warnings, ElementsAre(HasSubstr("line 3: colours of vertices are not used (and 2 more"),
+                                      HasSubstr("line 6: colours of faces are not used")));
+  EXPECT_TRUE(c.uvs.empty());
+  EXPECT_THAT(read("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2 2\n").warnings,
+              ElementsAre(HasSubstr("line 6: a face names the same vertex twice")));
 }
 
 } // namespace

@@ -1,11 +1,11 @@
 // Real meshes, as they lie outside the project: each is rounded, and its rays are compared with the oracle of
 // the convex hull of what was read. CHAMFER_RAYS=100 asks for a hundred times the rays.
 #include "common/error.h"
+#include "common/text.h"
 #include "tests/oracle/exact_hull.h"
 #include "tests/oracle/ray_samples.h"
 #include "tests/preprocess/rounding_subject.h"
 
-#include <cctype>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <iostream>
@@ -20,9 +20,7 @@ std::vector<fs::path> meshesIn(const fs::path& folder) {
   std::vector<fs::path> files;
   if (!fs::is_directory(folder)) return files;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    std::string extension = entry.path().extension().string();
-    for (char& c : extension)
-      c = char(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = lowerCase(entry.path().extension().string());
     if (extension == ".obj" || extension == ".stl" || extension == ".ply" || extension == ".off")
       files.push_back(entry.path());
   }

@@ -1,6 +1,7 @@
 #include "server/http/catalogue/catalogue_scan.h"
 
 #include "common/error.h"
+#include "common/text.h"
 
 #include <algorithm>
 #include <map>
@@ -15,9 +16,7 @@ constexpr std::string_view kSceneExtension = ".scene.json";
 constexpr std::string_view kMeshExtensions[] = {".obj", ".stl", ".ply", ".off"};
 
 bool isMesh(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string extension = lowerCase(file.extension().string());
   return std::find(std::begin(kMeshExtensions), std::end(kMeshExtensions), extension) !=
          std::end(kMeshExtensions);
 }

@@ -1,5 +1,7 @@
 #include "server/http/connection/request_head.h"
 
+#include "common/text.h"
+
 #include "server/http/schema/schema.h"
 
 #include <algorithm>
@@ -19,22 +21,6 @@ bool isToken(std::string_view text) {
 bool fieldCharacter(char c) {
   const auto byte = static_cast<unsigned char>(c);
   return c == '\t' || (byte >= 0x20 && byte != 0x7f);
-}
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
-
-std::string_view trim(std::string_view text) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t'; };
-  while (!text.empty() && blank(text.front()))
-    text.remove_prefix(1);
-  while (!text.empty() && blank(text.back()))
-    text.remove_suffix(1);
-  return text;
 }
 
 [[noreturn]] void refuse(int status, const char* kind, const std::string& detail) {
@@ -83,7 +69,7 @@ std::size_t parseLength(std::string_view text) {
 bool listHolds(std::string_view list, std::string_view word) {
   for (;;) {
     const std::size_t comma = list.find(',');
-    if (lower(trim(list.substr(0, comma))) == word) return true;
+    if (lowerCase(trimmed(list.substr(0, comma))) == word) return true;
     if (comma == std::string_view::npos) return false;
     list.remove_prefix(comma + 1);
   }
@@ -109,14 +95,14 @@ void interpretFields(RequestHead& head) {
       head.contentLength = parseLength(value);
     } else if (name == "transfer-encoding")
       refuse(411, "length", "bodies are read with Content-Length only, not with Transfer-Encoding");
-    else if (name == "content-encoding" && lower(value) != "identity")
+    else if (name == "content-encoding" && lowerCase(value) != "identity")
       refuse(415, errorWord(ErrorKind::Unsupported),
              "compressed bodies are not read; send the body as it is");
     else if (name == "connection") {
       if (listHolds(value, "close")) head.keepAlive = false;
       if (!head.http11 && listHolds(value, "keep-alive")) head.keepAlive = true;
     } else if (name == "expect") {
-      if (lower(value) != "100-continue") refuse(417, "expectation", "only 100-continue can be expected");
+      if (lowerCase(value) != "100-continue") refuse(417, "expectation", "only 100-continue can be expected");
       head.expectContinue = head.http11;
     }
   }
@@ -144,10 +130,10 @@ void parse(std::string_view text, RequestHead& head) {
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos || !isToken(line.substr(0, colon)))
       malformed("header field " + std::to_string(head.headers.size() + 1) + " is not name: value");
-    const std::string_view value = trim(line.substr(colon + 1));
+    const std::string_view value = trimmed(line.substr(colon + 1));
     if (!std::all_of(value.begin(), value.end(), fieldCharacter))
       malformed("header field " + std::to_string(head.headers.size() + 1) + " holds a control character");
-    head.headers.emplace_back(lower(line.substr(0, colon)), value);
+    head.headers.emplace_back(lowerCase(line.substr(0, colon)), value);
   }
   interpretFields(head);
 }

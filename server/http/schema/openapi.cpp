@@ -1,5 +1,7 @@
 #include "server/http/schema/openapi.h"
 
+#include "common/text.h"
+
 #include "server/http/routes/problem.h"
 #include "server/http/routes/route_table.h"
 #include "server/http/routes/tile_request.h"
@@ -231,12 +233,6 @@ Json operation(const RouteRow& route, const std::string& method, bool keys) {
   return json;
 }
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 } // namespace
 
 Json openApiDocument(bool keys) {
@@ -250,7 +246,7 @@ Json openApiDocument(bool keys) {
   for (const RouteRow& route : routeRows())
     for (std::string method : words(route.methods, ',')) {
       method.erase(0, method.find_first_not_of(' '));
-      document["paths"][route.path][lower(method)] = operation(route, method, keys);
+      document["paths"][route.path][lowerCase(method)] = operation(route, method, keys);
     }
   document["components"]["schemas"] = answerSchemas();
   document["components"]["securitySchemes"] = {

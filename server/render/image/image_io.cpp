@@ -1,6 +1,7 @@
 #include "server/render/image/image_io.h"
 
 #include "common/error.h"
+#include "common/text.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -97,12 +98,6 @@ std::string colorText(const Color& c) {
   return text;
 }
 
-std::string lowerExtension(const std::filesystem::path& path) {
-  std::string e = path.extension().string();
-  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return e;
-}
-
 } // namespace
 
 std::vector<std::byte> encodeF16(const Image& image, unsigned samples) {
@@ -137,7 +132,7 @@ std::vector<std::byte> encodeExr(const Image& image) {
 }
 
 void writeImage(const std::filesystem::path& path, const Image& image) {
-  const std::string extension = lowerExtension(path);
+  const std::string extension = lowerCase(path.extension().string());
   if (extension != ".png" && extension != ".exr")
     throw Error(ErrorKind::Usage, "\"" + path.string() + "\": images are written as .png or .exr");
   const std::vector<std::byte> bytes = extension == ".png" ? encodePng(image) : encodeExr(image);
@@ -160,10 +155,10 @@ void writeImage(const std::filesystem::path& path, const Image& image) {
 Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, const std::string& name,
                     std::vector<std::string>& warnings) {
   const auto fail = [&](const std::string& why) {
-    throw Error(ErrorKind::Malformed, "\"" + name + "\": " + why);
+    throw Error(ErrorKind::Malformed, fileInQuotes(name) + ": " + why);
   };
   if (!std::filesystem::exists(file))
-    throw Error(ErrorKind::NotFound, "\"" + name + "\": there is no such file");
+    throw Error(ErrorKind::NotFound, fileInQuotes(name) + ": there is no such file");
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1); // colours as they are in the file, not times alpha
   const auto input = OIIO::ImageInput::open(file.string(), &config);

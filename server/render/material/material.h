@@ -27,6 +27,7 @@ struct Material {
   std::uint32_t baseColorTexture = kNoTexture; ///< multiplies baseColor
   std::uint32_t roughnessTexture = kNoTexture; ///< multiplies roughness (its green channel)
   std::uint32_t normalTexture = kNoTexture;    ///< turns the shading normal (tangent_frame.h)
+  float normalStrength = 1;                    ///< of the normal texture: 0 is flat, 1 as it is
   std::string name;
 
   bool emits() const { return !emission.isBlack(); }

@@ -3,6 +3,7 @@
 #include "common/error.h"
 
 #include <map>
+#include <set>
 #include <sstream>
 
 namespace chamfer {
@@ -120,8 +121,9 @@ std::size_t PreparedScene::memoryBytes() const {
   std::size_t bytes = tracer_->memoryBytes() + lights_->memoryBytes() + surfaces_.memoryBytes();
   for (const SceneMesh& m : scene().meshes)
     bytes += m.mesh->positions.size() * sizeof(Point3) + m.mesh->triangles.size() * 3 * sizeof(std::uint32_t);
+  std::set<const void*> images;
   for (const Texture& t : scene().data->textures)
-    bytes += t.memoryBytes();
+    if (images.insert(t.pixels()).second) bytes += t.memoryBytes();
   return bytes;
 }
 

@@ -1,6 +1,7 @@
 #include "server/render/scene/json_reader.h"
 
 #include "common/error.h"
+#include "common/text.h"
 
 #include <algorithm>
 #include <unordered_set>
@@ -10,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-std::string shorten(const std::string& text) { return text.size() <= 60 ? text : text.substr(0, 57) + "..."; }
+std::string shorten(const std::string& text) { return printable(text, 60); }
 
 std::string shown(const json& value) {
   return shorten(value.dump(-1, ' ', false, json::error_handler_t::replace));

@@ -1,4 +1,5 @@
 // From files to an immutable Scene: description, meshes, materials with their textures, lights, camera, id.
+#include "preprocess/read/find_file.h"
 #include "server/render/image/image_io.h"
 #include "server/render/path/camera.h"
 #include "server/render/scene/mesh_library.h"
@@ -9,6 +10,7 @@
 #include "server/render/surface/tangent_frame.h"
 
 #include "common/error.h"
+#include "common/text.h"
 
 #include <map>
 
@@ -20,6 +22,7 @@ namespace fs = std::filesystem;
 /// Part of every scene's id: to be changed whenever the same files give other pixels than before.
 constexpr char kRendererVersion[] = "chamfer renderer 6";
 constexpr char kNoNormals[] = "does not hold tangent-space normals: it looks like a height map";
+constexpr std::size_t kMostWarnings = 100;
 constexpr std::uintmax_t kLargestSceneFile = 256u << 20;
 
 class SceneLoader {
@@ -175,20 +178,21 @@ private:
     material.ior = float(std::clamp(m.ior, 1.0, 4.0));
     const auto light = [](double v) { return float(std::clamp(v, 0.0, 1e9)); };
     material.emission = {light(m.emission[0]), light(m.emission[1]), light(m.emission[2])};
-    const auto texture = [&](const std::string& name, PixelEncoding encoding) {
+    const auto texture = [&](const MeshTexture& t, PixelEncoding encoding) {
       try {
-        return name.empty() ? kNoTexture : addTexture(folder, name, encoding);
+        return t.file.empty() ? kNoTexture : addMeshTexture(t, folder, encoding);
       } catch (const Error& e) {
-        scene_->warnings.push_back("material \"" + m.name + "\": " + e.what());
+        scene_->warnings.push_back(t.place + ": material " + inQuotes(m.name) + ": " + e.what());
         return kNoTexture;
       }
     };
     material.baseColorTexture = texture(m.baseColorTexture, PixelEncoding::Automatic);
     material.roughnessTexture = texture(m.roughnessTexture, PixelEncoding::Linear);
     material.normalTexture = texture(m.normalTexture, PixelEncoding::Linear);
+    material.normalStrength = float(m.normalTexture.strength);
     if (material.normalTexture != kNoTexture && !holdsNormals(data_->textures[material.normalTexture])) {
-      scene_->warnings.push_back("material \"" + m.name + "\": " + m.normalTexture + " " + kNoNormals +
-                                 "; it is not used");
+      scene_->warnings.push_back(m.normalTexture.place + ": material " + inQuotes(m.name) + ": " +
+                                 fileInQuotes(m.normalTexture.file) + " " + kNoNormals + "; it is not used");
       material.normalTexture = kNoTexture;
     }
     data_->materials.push_back(material);
@@ -209,18 +213,36 @@ private:
   }
 
   std::uint32_t addTexture(const fs::path& folder, const std::string& name, PixelEncoding encoding) {
-    const fs::path file = resolve(folder, name);
-    const auto [entry, added] =
-        textures_.try_emplace({file, encoding}, std::uint32_t(data_->textures.size()));
-    if (added) {
-      try {
-        data_->textures.push_back(readImage(file, encoding, name));
-      } catch (...) {
-        textures_.erase(entry);
-        throw;
-      }
-    }
-    return entry->second;
+    return addImage(resolve(folder, name), name, encoding, {});
+  }
+
+  /// An image is read once, however often it is placed.
+  std::uint32_t addImage(const fs::path& path, const std::string& name, PixelEncoding encoding,
+                         const TexturePlacement& placement) {
+    const fs::path file = fs::canonical(path);
+    addFile(file);
+    auto& placements = textures_[{file, encoding}];
+    if (const auto known = placements.find(placement); known != placements.end()) return known->second;
+    const auto index = std::uint32_t(data_->textures.size());
+    data_->textures.push_back(
+        (placements.empty() ? readImage(file, encoding, name) : data_->textures[placements.begin()->second])
+            .placed(placement));
+    return placements[placement] = index;
+  }
+
+  /// A texture that a material library names, found as findFile() finds it, with a warning where it is not
+  /// where it is said to be. Throws Error(NotFound) and what readTexture() throws.
+  std::uint32_t addMeshTexture(const MeshTexture& t, const fs::path& meshFolder, PixelEncoding encoding) {
+    const auto found = findFile(t.file, {t.folder, meshFolder}, root_);
+    if (const fs::path named = namedPlace(t.file, t.folder, root_); !named.empty()) addFile(named);
+    if (!found)
+      throw Error(ErrorKind::NotFound,
+                  fileInQuotes(t.file) + ": there is no such file below the served folder");
+    if (!found->instead.empty())
+      scene_->warnings.push_back(t.place + ": " + fileInQuotes(t.file) + " is not there; " +
+                                 fileInQuotes(found->instead) + " is used");
+    const auto narrow = [](const std::array<double, 2>& v) { return std::array{float(v[0]), float(v[1])}; };
+    return addImage(found->file, t.file, encoding, {narrow(t.scale), narrow(t.offset), t.clamp});
   }
 
   Texture readImage(const fs::path& file, PixelEncoding encoding, const std::string& name) {
@@ -268,6 +290,7 @@ private:
   }
 
   std::shared_ptr<const Scene> finish(const std::optional<Camera>& camera) {
+    keepFirst(scene_->warnings, kMostWarnings);
     scene_->camera = camera ? *camera : fitCamera(scene_->bounds);
     scene_->id = digestOf(identity_);
     scene_->data = data_;
@@ -281,7 +304,7 @@ private:
   std::string identity_; ///< everything that determines the pixels, or its digests
   std::vector<Bounds3> meshBounds_;
   std::vector<std::size_t> meshEdges_;
-  std::map<std::pair<fs::path, PixelEncoding>, std::uint32_t> textures_;
+  std::map<std::pair<fs::path, PixelEncoding>, std::map<TexturePlacement, std::uint32_t>> textures_;
   /// Meshes with a radius in world units, by description: the scene's mesh for each stretch.
   std::map<std::uint32_t, std::map<Stretch, std::uint32_t>> stretched_;
 };

@@ -28,8 +28,12 @@ Digest contentDigest(const TriangleMesh& m, const Digest& geometry) {
   for (const MeshMaterial& a : m.materials) {
     const double numbers[] = {a.baseColor[0], a.baseColor[1], a.baseColor[2], a.roughness,   a.metallic,
                               a.transmission, a.ior,          a.emission[0],  a.emission[1], a.emission[2]};
-    text += hexOf(std::span<const double>(numbers)) + a.baseColorTexture + '\n' + a.roughnessTexture + '\n' +
-            a.normalTexture + '\n';
+    text += hexOf(std::span<const double>(numbers));
+    for (const MeshTexture* t : {&a.baseColorTexture, &a.roughnessTexture, &a.normalTexture}) {
+      const double placement[] = {t->scale[0],  t->scale[1],      t->offset[0],
+                                  t->offset[1], double(t->clamp), t->strength};
+      text += hexOf(std::span<const double>(placement)) + t->file + '\n';
+    }
   }
   return digestOf(text);
 }
@@ -115,7 +119,7 @@ MeshLibrary::Geometry MeshLibrary::geometryOf(std::shared_ptr<const TriangleMesh
 
 const MeshLibrary::Geometry& MeshLibrary::geometry(const fs::path& file) {
   const auto [entry, added] = geometries_.try_emplace(file);
-  if (added) entry->second = geometryOf(std::make_shared<TriangleMesh>(readMesh(file)));
+  if (added) entry->second = geometryOf(std::make_shared<TriangleMesh>(readMesh(file, root_)));
   return entry->second;
 }
 

@@ -35,6 +35,7 @@
 #include "server/render/scene/scene_description.h"
 
 #include "common/error.h"
+#include "common/text.h"
 #include "server/render/path/camera.h"
 #include "server/render/scene/json_reader.h"
 #include "server/render/scene/studio.h"
@@ -52,14 +53,14 @@ using NameIndex = std::unordered_map<std::string, std::uint32_t>;
 std::string uniqueName(const JsonReader& entry, NameIndex& names) {
   std::string name = entry.at("name").string();
   if (!names.emplace(name, std::uint32_t(names.size())).second)
-    entry.at("name").fail("the name \"" + name + "\" is used twice");
+    entry.at("name").fail("the name " + inQuotes(name) + " is used twice");
   return name;
 }
 
 std::uint32_t lookUp(const JsonReader& reader, const NameIndex& names, const char* list) {
   const auto found = names.find(reader.string());
   if (found == names.end())
-    reader.fail("no entry of \"" + std::string(list) + "\" has the name " + reader.string());
+    reader.fail("no entry of \"" + std::string(list) + "\" has the name " + inQuotes(reader.string()));
   return found->second;
 }
 
@@ -107,7 +108,7 @@ MeshDescription readMeshEntry(const JsonReader& j, NameIndex& names) {
     else if (word == "hull")
       m.onNonConvex = OnNonConvex::Hull;
     else
-      r.fail("must be \"error\", \"sharp\" or \"hull\", is \"" + word + "\"");
+      r.fail("must be \"error\", \"sharp\" or \"hull\", is " + inQuotes(word));
   });
   return m;
 }
@@ -276,7 +277,7 @@ void readLight(const JsonReader& j, SceneDescription& scene) {
   } else if (type == "sky" || type == "environment") {
     readInfinite(j, type, scene);
   } else {
-    j.at("type").fail("must be area, point, directional, sky or environment, is \"" + type + "\"");
+    j.at("type").fail("must be area, point, directional, sky or environment, is " + inQuotes(type));
   }
 }
 

@@ -33,7 +33,7 @@ std::size_t memoryBytes(const Scene& scene) {
   for (const MeshMaterials& materials : data.meshMaterials)
     bytes += bytesOf(materials.ofTriangle);
   for (const Texture& texture : data.textures)
-    bytes += texture.memoryBytes();
+    if (seen.insert(texture.pixels()).second) bytes += texture.memoryBytes();
   if (data.environment) bytes += data.environment->memoryBytes();
   return bytes;
 }

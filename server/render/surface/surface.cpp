@@ -157,7 +157,12 @@ Vector3 Surfaces::textureNormal(const TraceHit& hit, const SurfacePlace& place, 
   const auto frame =
       tangentFrame(mesh, place.original.triangle, normal, scene_->instances[hit.instance].worldFromObject);
   if (!frame) return normal;
-  return frame->turned(scene_->data->textures[place.material->normalTexture].at(uv.x, uv.y));
+  const Texture& texture = scene_->data->textures[place.material->normalTexture];
+  // Where the placement mirrors the image, its normals lean the other way.
+  const auto& scale = texture.placement().scale;
+  const double strength = place.material->normalStrength;
+  return frame->turned(texture.at(uv.x, uv.y),
+                       {scale[0] < 0 ? -strength : strength, scale[1] < 0 ? -strength : strength});
 }
 
 std::size_t Surfaces::memoryBytes() const {

@@ -20,8 +20,9 @@ bool holdsNormals(const Texture& texture) {
   return mean.b > 0.5f && mean.b > mean.r && mean.b > mean.g;
 }
 
-Vector3 TangentFrame::turned(const Color& texel) const {
-  const Vector3 n = tangent * (2 * double(texel.r) - 1) + bitangent * (2 * double(texel.g) - 1) +
+Vector3 TangentFrame::turned(const Color& texel, const std::array<double, 2>& strength) const {
+  const Vector3 n = tangent * (strength[0] * (2 * double(texel.r) - 1)) +
+                    bitangent * (strength[1] * (2 * double(texel.g) - 1)) +
                     normal * (2 * double(texel.b) - 1);
   const double size = length(n);
   return size > 0 ? n / size : normal;

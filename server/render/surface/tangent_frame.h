@@ -18,8 +18,9 @@ std::optional<std::array<std::array<float, 2>, 3>> uvCorners(const TriangleMesh&
 /// World, orthonormal; right-handed unless the texture is mirrored on the surface.
 struct TangentFrame {
   Vector3 tangent, bitangent, normal;
-  /// The normal that a texture's colour means here, unit; `normal` where the colour means none.
-  Vector3 turned(const Color& texel) const;
+  /// The normal that a texture's colour means here, unit; `normal` where the colour means none. What it leans
+  /// along u and v is taken times `strength`.
+  Vector3 turned(const Color& texel, const std::array<double, 2>& strength = {1, 1}) const;
 };
 
 /// The frame about `normal` (world, unit) at any point of a triangle: the directions in which u and v grow on
