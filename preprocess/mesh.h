@@ -26,7 +26,7 @@ struct MeshMaterial {
 
 struct TriangleMesh {
   std::vector<Point3> positions;
-  std::vector<std::array<std::uint32_t, 3>> triangles; ///< polygons are triangulated in the file's order
+  std::vector<std::array<std::uint32_t, 3>> triangles; ///< polygons are fans, or convex where they are warped
   std::vector<std::uint32_t> faceOfTriangle; ///< the file's face (0-based) of each triangle, for messages
   std::vector<std::uint32_t> lineOfFace;     ///< line in the file of each face; empty for binary formats
   std::vector<std::array<float, 2>> uvs;     ///< texture coordinates; empty: none
@@ -43,6 +43,9 @@ struct TriangleMesh {
 /// range, polygons with at least three corners. Error(Malformed) names line (or byte / element) and value;
 /// Error(NotFound).
 TriangleMesh readMesh(const std::filesystem::path& path);
+
+/// For messages: "face 7 (line 30)" that a triangle belongs to, as the file counts from 1.
+std::string placeOfTriangle(const TriangleMesh& mesh, std::size_t triangle);
 
 /// Digest of positions and triangles: what a sidecar belongs to.
 Digest geometryDigest(const TriangleMesh& mesh);

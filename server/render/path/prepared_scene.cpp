@@ -19,6 +19,7 @@ std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, double radi
   PreprocessOptions options;
   options.radius = {radius, false};
   options.onNonConvex = mesh.onNonConvex;
+  options.keepTriangles = true; // the mesh is what is traced: hulls are in it already
   options.threads = threads;
   try {
     return preprocess(*mesh.mesh, options).rounding;

@@ -76,17 +76,38 @@ double largestRadius(const SceneMesh& mesh, unsigned threads) {
 
 fs::path sidecarOf(const fs::path& mesh) { return fs::path(mesh.string() + ".chamfer"); }
 
+MeshLibrary::Geometry MeshLibrary::makeGeometry(std::shared_ptr<const TriangleMesh> mesh) {
+  Geometry g;
+  g.geometry = geometryDigest(*mesh);
+  g.content = contentDigest(*mesh, g.geometry);
+  g.traced = makeTracedMesh(mesh);
+  g.mesh = std::move(mesh);
+  return g;
+}
+
 const MeshLibrary::Geometry& MeshLibrary::geometry(const fs::path& file) {
   const auto [entry, added] = geometries_.try_emplace(file);
-  Geometry& g = entry->second;
-  if (added) {
-    auto mesh = std::make_shared<TriangleMesh>(readMesh(file));
-    g.geometry = geometryDigest(*mesh);
-    g.content = contentDigest(*mesh, g.geometry);
-    g.traced = makeTracedMesh(mesh);
-    g.mesh = std::move(mesh);
+  if (added) entry->second = makeGeometry(std::make_shared<TriangleMesh>(readMesh(file)));
+  return entry->second;
+}
+
+const MeshLibrary::Geometry& MeshLibrary::hulled(std::shared_ptr<const TriangleMesh> mesh) {
+  const auto [entry, added] = hulled_.try_emplace(contentDigest(*mesh, geometryDigest(*mesh)).hex());
+  if (added) entry->second = makeGeometry(std::move(mesh));
+  return entry->second;
+}
+
+const MeshLibrary::Geometry* MeshLibrary::withHulls(const Geometry& geometry) {
+  SceneMesh mesh;
+  mesh.mesh = geometry.mesh;
+  mesh.onNonConvex = OnNonConvex::Hull;
+  try {
+    const PreprocessResult result = round(mesh, {1e-6, true}, threads_);
+    return result.mesh ? &hulled(result.mesh) : nullptr;
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::NotConvexSolid && e.kind() != ErrorKind::RadiusTooLarge) throw;
+    return nullptr;
   }
-  return g;
 }
 
 LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>& warnings) {
@@ -95,12 +116,11 @@ LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>&
   SceneMesh& m = loaded.mesh;
   m.name = d.name;
   m.file = resolveBelow(root_, base_, d.file);
-  const Geometry& g = geometry(m.file);
-  m.mesh = g.mesh;
-  m.traced = g.traced;
+  const Geometry* g = &geometry(m.file);
+  m.mesh = g->mesh;
   m.staysSharp = d.staysSharp;
   m.onNonConvex = d.onNonConvex;
-  for (const std::string& w : g.mesh->warnings)
+  for (const std::string& w : g->mesh->warnings)
     warnings.push_back(where + w);
 
   const fs::path sidecar = sidecarOf(m.file);
@@ -110,13 +130,21 @@ LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>&
     resolveBelow(root_, sidecar.parent_path(), sidecar.filename().string()); // no link leads out
   if (hasSidecar) {
     try {
-      m.rounding = loadSidecar(sidecar, &g.geometry);
-      if (m.rounding->view().facetOfTriangle.size() != g.mesh->triangles.size())
+      m.rounding = loadSidecar(sidecar);
+      if (m.rounding->meshDigest() != g->geometry) {
+        const Geometry* hulls = withHulls(*g);
+        if (hulls && m.rounding->meshDigest() == hulls->geometry)
+          g = hulls;
+        else
+          m.rounding = loadSidecar(sidecar, &g->geometry); // says that it is stale
+      }
+      if (m.rounding->view().facetOfTriangle.size() != g->mesh->triangles.size())
         throw Error(ErrorKind::DamagedSidecar,
                     "the sidecar is damaged: it does not have the mesh's number of "
                     "triangles; run chamferprep on the mesh again");
     } catch (const Error& e) {
       if (!d.radius) throw;
+      m.rounding = nullptr;
       warnings.push_back(where + "the sidecar is not used, the mesh was rounded on load: " + e.what());
     }
     if (m.rounding && d.radius && (d.radius->relative || !hasRadius(m.rounding->view(), d.radius->value)))
@@ -132,6 +160,7 @@ LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>&
     PreprocessResult result = round(m, *d.radius, threads_);
     m.rounding = std::move(result.rounding);
     m.maxRadius = result.report.maxRadius;
+    g = result.mesh ? &hulled(result.mesh) : &geometry(m.file);
     for (const std::string& w : result.report.warnings)
       warnings.push_back(where + w);
   } else if (!d.staysSharp && (m.rounding || d.path.empty())) {
@@ -139,7 +168,9 @@ LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>&
   }
   if (!m.rounding && !d.path.empty()) m.staysSharp = true; // a scene file's mesh without radius and sidecar
 
-  std::string content = g.content.hex() + (m.staysSharp ? "sharp" : "") + std::to_string(int(m.onNonConvex));
+  m.mesh = g->mesh;
+  m.traced = g->traced;
+  std::string content = g->content.hex() + (m.staysSharp ? "sharp" : "") + std::to_string(int(m.onNonConvex));
   if (m.rounding) {
     const RoundingView& view = m.rounding->view();
     content += digestText(view);

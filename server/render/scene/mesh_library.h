@@ -28,6 +28,8 @@ public:
   ///  - with a radius: the sidecar's where it fits the mesh and every solid of it has that radius, else built
   ///  here (what
   ///    is wrong with a sidecar becomes a warning);
+  /// A sidecar fits the mesh of the file or that with hulls (PreprocessResult::mesh); what is rounded as its
+  /// hull is traced as its hull, too.
   ///  - without: the sidecar's, or none where there is no sidecar. Throws StaleSidecar, DamagedSidecar.
   LoadedMesh load(const MeshDescription& description, std::vector<std::string>& warnings);
 
@@ -37,11 +39,17 @@ private:
     std::shared_ptr<const TracedMesh> traced;
     Digest geometry, content;
   };
+  static Geometry makeGeometry(std::shared_ptr<const TriangleMesh> mesh);
   const Geometry& geometry(const std::filesystem::path& file);
+  /// What a file's mesh becomes where components of it are rounded as their hulls (PreprocessResult::mesh).
+  const Geometry& hulled(std::shared_ptr<const TriangleMesh> mesh);
+  /// The same for a mesh; null where there are none.
+  const Geometry* withHulls(const Geometry& geometry);
 
   std::filesystem::path root_, base_;
   unsigned threads_;
   std::map<std::filesystem::path, Geometry> geometries_;
+  std::map<std::string, Geometry> hulled_; ///< by content
 };
 
 } // namespace chamfer
