@@ -207,7 +207,8 @@ Fault ComponentBuilder::notClosed(const Component& component, const PairingCount
         " on one side only, the first " + where;
     if (counts.crowded > 0)
       message += "; " + counted(counts.crowded, "edge is shared", "edges are shared") + " by more than two";
-    return Fault{FaultKind::Open, message + ". Close it; --weld joins vertices that nearly meet",
+    return Fault{FaultKind::Open,
+                 message + ". Close it; --weld joins vertices that nearly meet each other or an edge",
                  double(counts.open), middle, triangle};
   }
   return Fault{FaultKind::NonManifold,

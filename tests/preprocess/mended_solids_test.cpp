@@ -86,6 +86,26 @@ TEST_F(MendedSolids, VerticesOnEdgesCloseNothingAndOpenNothing) {
     }
 }
 
+TEST_F(MendedSolids, VerticesThatSinglePrecisionMovesOffTheirEdges) {
+  const auto rounded = [](std::vector<Eigen::Vector3d>& vertices) {
+    for (auto& v : vertices)
+      v = v.cast<float>().cast<double>().eval();
+  };
+  std::uint64_t seed = 20;
+  for (const ConvexSolid& family : families()) {
+    ConvexSolid solid = oracle::placed(family, 1, 0, ++seed);
+    const Eigen::Vector3d middle = solid.centroid();
+    for (auto& v : solid.vertices)
+      v -= middle;
+    rounded(solid.vertices);
+    PolygonSolid polygons(solid);
+    polygons.insertEdgeVertices(0.5, random_);
+    rounded(polygons.vertices);
+    for (const char* format : kFormats)
+      expectRounded(solid, format, polygons.text(format));
+  }
+}
+
 TEST_F(MendedSolids, VerticesOnEdgesOfFacesThatAreGivenTwice) {
   for (const ConvexSolid& solid : {oracle::box(4, 2, 1), oracle::prism(6, 1)})
     for (const bool otherSide : {false, true}) {
