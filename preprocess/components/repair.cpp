@@ -3,6 +3,7 @@
 #include "preprocess/components/component_builder.h"
 #include "preprocess/components/disjoint_sets.h"
 #include "preprocess/components/doubled_patches.h"
+#include "preprocess/components/dropped.h"
 #include "preprocess/components/edge_vertices.h"
 #include "preprocess/components/grouping.h"
 #include "preprocess/components/weld.h"
@@ -45,7 +46,7 @@ public:
       if (!meshTriangle_.empty() && dropDoubledPatches(false)) closePaired();
     }
     if (!meshTriangle_.empty()) keepFaulty();
-    assignDropped(first);
+    assignDropped(mesh_, standsFor_, first, std::move(dropped_), result_);
     for (std::uint32_t v = 0; v < standsFor_.size(); ++v)
       result_.counts.weldedVertices += standsFor_[v] != v;
   }
@@ -61,7 +62,7 @@ private:
       for (std::uint32_t& v : t)
         v = standsFor_[v];
       if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
-        degenerate_.push_back(m);
+        dropped_.degenerate.push_back(m);
         continue;
       }
       corners_.push_back(t);
@@ -138,7 +139,7 @@ private:
     pairAll();
     const std::size_t split =
         splitAtEdgeVertices(mesh_.positions, opposite_, tolerances_.weld, corners_, meshTriangle_);
-    degenerate_.insert(degenerate_.end(), dropped.begin(), dropped.end());
+    dropped_.degenerate.insert(dropped_.degenerate.end(), dropped.begin(), dropped.end());
     result_.counts.splitEdges += split;
     return split > 0 || !dropped.empty();
   }
@@ -155,7 +156,7 @@ private:
   /// there were any.
   bool dropRepeated(const std::vector<std::uint32_t>& repeated) {
     for (std::size_t i = 0; i < corners_.size(); ++i)
-      if (repeated[i] != kNone) duplicates_.push_back({meshTriangle_[i], meshTriangle_[repeated[i]]});
+      if (repeated[i] != kNone) dropped_.duplicates.push_back({meshTriangle_[i], meshTriangle_[repeated[i]]});
     std::size_t kept = 0;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       if (repeated[i] != kNone) continue;
@@ -268,57 +269,6 @@ private:
     });
   }
 
-  /// Gives dropped triangles to the components whose surface they lie in.
-  void assignDropped(std::size_t firstComponent) {
-    result_.counts.degenerateTriangles += degenerate_.size();
-    if (degenerate_.empty() && duplicates_.empty()) return;
-    std::sort(degenerate_.begin(), degenerate_.end());
-    std::sort(duplicates_.begin(), duplicates_.end());
-    std::vector<std::uint32_t> ofVertex(mesh_.positions.size(), kNone),
-        ofTriangle(mesh_.triangles.size(), kNone);
-    for (std::size_t i = firstComponent; i < result_.list.size(); ++i)
-      for (const std::uint32_t m : result_.list[i].meshTriangle) {
-        ofTriangle[m] = std::uint32_t(i);
-        for (const std::uint32_t v : mesh_.triangles[m])
-          ofVertex[standsFor_[v]] = std::uint32_t(i);
-      }
-    // What stays for a triangle may itself have been dropped for another one later.
-    std::vector<std::uint32_t> staysFor(mesh_.triangles.size(), kNone), left = degenerate_;
-    for (const auto& [dropped, stays] : duplicates_)
-      if (ofTriangle[dropped] == kNone) staysFor[dropped] = stays;
-    for (std::uint32_t dropped = 0; dropped < staysFor.size(); ++dropped) {
-      if (staysFor[dropped] == kNone) continue;
-      ++result_.counts.duplicateTriangles;
-      std::uint32_t stays = staysFor[dropped];
-      while (ofTriangle[stays] == kNone && staysFor[stays] != kNone)
-        stays = staysFor[stays];
-      const std::uint32_t i = ofTriangle[stays];
-      if (i == kNone) { // for one without height
-        left.push_back(dropped);
-        continue;
-      }
-      result_.list[i].duplicates.push_back({dropped, stays});
-      for (const std::uint32_t v : mesh_.triangles[dropped])
-        if (std::uint32_t& of = ofVertex[standsFor_[v]]; of == kNone) of = i;
-    }
-    // Some hang on others that are dropped, too.
-    for (bool found = true; found;) {
-      found = std::erase_if(left, [&](std::uint32_t m) {
-                const Triangle& t = mesh_.triangles[m];
-                const auto known = std::find_if(
-                    t.begin(), t.end(), [&](std::uint32_t v) { return ofVertex[standsFor_[v]] != kNone; });
-                if (known == t.end()) return false;
-                const std::uint32_t i = ofVertex[standsFor_[*known]];
-                result_.list[i].degenerate.push_back(m);
-                for (const std::uint32_t v : t)
-                  ofVertex[standsFor_[v]] = i;
-                return true;
-              }) > 0;
-    }
-    for (std::size_t i = firstComponent; i < result_.list.size(); ++i)
-      std::sort(result_.list[i].degenerate.begin(), result_.list[i].degenerate.end());
-  }
-
   const TriangleMesh& mesh_;
   const InputTolerances& tolerances_;
   const ForEach& forEach_;
@@ -327,8 +277,7 @@ private:
   std::vector<std::uint32_t> meshTriangle_; ///< not closed yet
   std::vector<Triangle> corners_;           ///< of these, as welded
   std::vector<std::uint32_t> opposite_;
-  std::vector<std::uint32_t> degenerate_;
-  std::vector<std::array<std::uint32_t, 2>> duplicates_;
+  Dropped dropped_;
   HalfEdgePairer pairer_;
   tbb::enumerable_thread_specific<ComponentBuilder> builders_;
 };
