@@ -35,8 +35,9 @@ int main(int argc, char** argv) {
                  "What to do with a component that is not a closed convex solid: error (write nothing),\n"
                  "sharp (leave it as it is), hull (round a closed one as its convex hull)")
       ->transform(CLI::CheckedTransformer(choices));
-  app.add_option("--weld", p.tolerances.weld,
-                 "Vertices nearer than this share of a component's diagonal are one")
+  app.add_option(
+         "--weld", p.tolerances.weld,
+         "Vertices nearer than this share of a component's diagonal are one, and nearer to an edge lie on it")
       ->capture_default_str()
       ->check(CLI::Range(0.0, kMostWeld));
   app.add_option("--planarity", p.tolerances.planarity,

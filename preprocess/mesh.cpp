@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/rounding.h"
+#include "preprocess/components/diagonals.h"
 #include "preprocess/read/read_formats.h"
 
 #include <algorithm>
@@ -80,7 +81,15 @@ TriangleMesh readMesh(const std::filesystem::path& path, const std::filesystem::
   if (mesh.triangles.empty())
     malformed({name},
               "no faces (" + std::to_string(mesh.positions.size()) + " vertices); nothing can be rounded");
+  chooseDiagonals(mesh);
   return mesh;
+}
+
+std::string placeOfTriangle(const TriangleMesh& mesh, std::size_t triangle) {
+  const std::size_t face = triangle < mesh.faceOfTriangle.size() ? mesh.faceOfTriangle[triangle] : triangle;
+  std::string place = "face " + std::to_string(face + 1);
+  if (face < mesh.lineOfFace.size()) place += " (line " + std::to_string(mesh.lineOfFace[face]) + ")";
+  return place;
 }
 
 Digest geometryDigest(const TriangleMesh& mesh) {

@@ -40,7 +40,7 @@ struct MeshMaterial {
 
 struct TriangleMesh {
   std::vector<Point3> positions;
-  std::vector<std::array<std::uint32_t, 3>> triangles; ///< polygons are triangulated in the file's order
+  std::vector<std::array<std::uint32_t, 3>> triangles; ///< polygons are fans, or convex where they are warped
   std::vector<std::uint32_t> faceOfTriangle; ///< the file's face (0-based) of each triangle, for messages
   std::vector<std::uint32_t> lineOfFace;     ///< line in the file of each face; empty for binary formats
   std::vector<std::array<float, 2>> uvs;     ///< texture coordinates; empty: none
@@ -59,6 +59,9 @@ struct TriangleMesh {
 /// Error(NotFound). What a file holds beside its shape never refuses it: what of that is dropped or guessed
 /// is a warning. Material libraries are read only below `top`; empty: the mesh's own folder.
 TriangleMesh readMesh(const std::filesystem::path& path, const std::filesystem::path& top = {});
+
+/// For messages: "face 7 (line 30)" that a triangle belongs to, as the file counts from 1.
+std::string placeOfTriangle(const TriangleMesh& mesh, std::size_t triangle);
 
 /// Digest of positions and triangles: what a sidecar belongs to.
 Digest geometryDigest(const TriangleMesh& mesh);

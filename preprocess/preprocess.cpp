@@ -2,6 +2,8 @@
 
 #include "common/error.h"
 #include "common/text.h"
+#include "preprocess/components/diagonals.h"
+#include "preprocess/rounding/hulled_mesh.h"
 #include "preprocess/rounding/round_solid.h"
 
 #include <algorithm>
@@ -34,7 +36,21 @@ void add(StageTimes& to, const StageTimes& t) {
   to.detection += t.detection;
 }
 
-[[noreturn]] void refuseFaults(const Components& components, const std::vector<RoundedSolid>& solids) {
+/// Where a fault was seen, and how far the face there is from flat.
+std::string placeOfFault(const TriangleMesh& mesh, const Component& component, const Fault& fault) {
+  if (fault.triangle >= mesh.triangles.size()) return "";
+  std::string text =
+      "; nearest triangle " + std::to_string(fault.triangle) + " of " + placeOfTriangle(mesh, fault.triangle);
+  const Warp warp = warpOf(mesh, fault.triangle);
+  if (fault.kind == FaultKind::Concave &&
+      warp.distance > InputTolerances{}.planarity * component.bounds.diagonal())
+    text += ", which is warped: its " + std::to_string(warp.corners) + " corners lie up to " +
+            lengthText(warp.distance) + " off one plane";
+  return text;
+}
+
+[[noreturn]] void refuseFaults(const TriangleMesh& mesh, const Components& components,
+                               const std::vector<RoundedSolid>& solids) {
   std::size_t first = solids.size(), count = 0;
   for (std::size_t i = solids.size(); i-- > 0;)
     if (solids[i].fault) {
@@ -45,7 +61,7 @@ void add(StageTimes& to, const StageTimes& t) {
   std::string message = "component " + std::to_string(first + 1) + " of " +
                         std::to_string(components.list.size()) + " is not a closed convex solid (" +
                         faultWord(fault.kind) + "): " + fault.message;
-  if (fault.triangle != kNone) message += "; nearest triangle " + std::to_string(fault.triangle);
+  message += placeOfFault(mesh, components.list[first], fault);
   if (count > 1) message += "; " + std::to_string(count - 1) + " more components are refused, too";
   message +=
       ". --on-nonconvex sharp leaves such components sharp, hull rounds a closed one as its convex hull";
@@ -154,7 +170,7 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
       for (std::size_t i = range.begin(); i != range.end(); ++i) {
         solids[i] = roundSolid(components.list[i], options, times.local());
-        releaseSurface(components.list[i]);
+        if (!solids[i].usedHull) releaseSurface(components.list[i]);
       }
       done += range.size();
       progress("rounding", double(done) / double(count));
@@ -167,20 +183,22 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
   // "hull" rounds closed components; one that is not even closed has no inside and is still refused.
   if (options.onNonConvex != OnNonConvex::Sharp &&
       any([](const RoundedSolid& s) { return s.fault.has_value(); }))
-    refuseFaults(components, solids);
+    refuseFaults(mesh, components, solids);
   if (any([](const RoundedSolid& s) { return s.radiusTooLarge; })) refuseRadius(solids, options.radius);
 
   progress("packing", 0);
   start = Clock::now();
   RoundingArrays arrays;
   arrays.facetOfTriangle.assign(mesh.triangles.size(), kNone);
+  HulledMesh hulled(mesh);
   report.maxRadius = INFINITY;
   for (std::size_t i = 0; i < count; ++i) {
     const RoundedSolid& s = solids[i];
     if (s.fault) {
       ++report.sharpComponents;
       report.warnings.push_back("component " + std::to_string(i + 1) + " stays sharp (" +
-                                faultWord(s.fault->kind) + "): " + s.fault->message);
+                                faultWord(s.fault->kind) + "): " + s.fault->message +
+                                placeOfFault(mesh, components.list[i], *s.fault));
       continue;
     }
     const auto firstFacet = std::uint32_t(arrays.facets.size());
@@ -195,6 +213,7 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
     report.spheres += s.core.vertices.size();
     report.cornersOver3 += s.cornersOver3;
     report.hulledComponents += s.usedHull;
+    if (s.usedHull && !options.keepTriangles) hulled.replace(components.list[i], s, firstFacet);
     report.clampedSolids += s.clamped;
     report.nonConvexity = std::max(report.nonConvexity, s.depth);
     if (s.inradius < report.maxRadius) {
@@ -209,7 +228,9 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
   arena.execute([&] { tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) { solids[i] = {}; }); });
   keepFirst(report.warnings, mesh.warnings.size() + kMostWarnings);
   report.treeNodes = arrays.treeNodes.size();
-  result.rounding = makeRounding(std::move(arrays), geometryDigest(mesh), recordOf(options));
+  if (hulled.changed()) result.mesh = std::make_shared<TriangleMesh>(hulled.finish(arrays.facetOfTriangle));
+  result.rounding =
+      makeRounding(std::move(arrays), geometryDigest(result.mesh ? *result.mesh : mesh), recordOf(options));
   report.times.pack = since(start);
   progress("packing", 1);
   return result;

@@ -22,6 +22,9 @@ struct PreprocessOptions {
   Radius radius;
   InputTolerances tolerances;
   OnNonConvex onNonConvex = OnNonConvex::Error;
+  /// With OnNonConvex::Hull: components that are rounded as their hulls keep their own triangles, for a mesh
+  /// that is already what is traced.
+  bool keepTriangles = false;
   double clamp = 0; ///< above 0: each solid gets the smaller of the radius and this share of its own inradius
   unsigned threads = 0;
   std::function<void(const char* stage, double share)> progress; ///< may throw to cancel
@@ -48,6 +51,10 @@ struct PreprocessReport {
 
 struct PreprocessResult {
   std::shared_ptr<const Rounding> rounding;
+  /// The mesh that the rounding belongs to where it is not the one given: hulls in the place of the
+  /// components that are rounded as their hulls (OnNonConvex::Hull); a function of the mesh and the
+  /// tolerances. Else null.
+  std::shared_ptr<const TriangleMesh> mesh;
   PreprocessReport report;
 };
 

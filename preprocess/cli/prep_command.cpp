@@ -75,7 +75,8 @@ Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path&
     if (std::error_code error; std::filesystem::is_directory(options.explicitMesh, error))
       throw Error(ErrorKind::CannotWrite,
                   "cannot write " + options.explicitMesh.string() + ": it is a folder");
-    const ExplicitMesh rounded = explicitMesh(result.rounding->view(), mesh, options.segments);
+    const ExplicitMesh rounded =
+        explicitMesh(result.rounding->view(), result.mesh ? *result.mesh : mesh, options.segments);
     outcome.explicitTriangles = rounded.triangles.size();
     if (!options.dryRun) writeExplicitMesh(staged.emplace(options.explicitMesh).temporary(), rounded);
   }
@@ -110,6 +111,8 @@ Json toJson(const std::filesystem::path& mesh, const PrepCommandOptions& options
               {"unused_vertices", r.counts.unusedVertices},
               {"degenerate_triangles", r.counts.degenerateTriangles},
               {"duplicate_triangles", r.counts.duplicateTriangles},
+              {"duplicate_solids", r.counts.duplicateSolids},
+              {"split_edges", r.counts.splitEdges},
               {"turned_components", r.counts.turned},
               {"thread_seconds",
                {{"components", r.times.components},
@@ -134,6 +137,10 @@ void printReport(const std::filesystem::path& mesh, const PrepCommandOptions& op
         "  welded %zu vertices, unused %zu; dropped %zu degenerate and %zu duplicate triangles; turned %zu "
         "components outward\n",
         c.weldedVertices, c.unusedVertices, c.degenerateTriangles, c.duplicateTriangles, c.turned);
+  if (c.splitEdges > 0)
+    std::printf(
+        "  %zu edges have vertices on them that their face does not know (T-junctions): taken as closed\n",
+        c.splitEdges);
   if (r.nonConvexity > 0) std::printf("  deepest below a hull, in diagonals: %.3g\n", r.nonConvexity);
   if (r.sharpComponents + r.hulledComponents + r.clampedSolids > 0)
     std::printf("  kept sharp %zu, rounded as hull %zu, radius clamped on %zu\n", r.sharpComponents,

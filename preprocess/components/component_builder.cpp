@@ -194,10 +194,7 @@ Fault ComponentBuilder::notClosed(const Component& component, const PairingCount
   const HalfEdges surface{component.triangles, component.opposite};
   const Point3 a = component.positions[surface.start(at)], b = component.positions[surface.end(at)];
   const std::uint32_t triangle = component.meshTriangle[at / 3];
-  const std::uint32_t face =
-      triangle < mesh_.faceOfTriangle.size() ? mesh_.faceOfTriangle[triangle] : triangle;
-  std::string where = "from " + text(a) + " to " + text(b) + " of face " + std::to_string(face + 1);
-  if (face < mesh_.lineOfFace.size()) where += " (line " + std::to_string(mesh_.lineOfFace[face]) + ")";
+  const std::string where = "from " + text(a) + " to " + text(b) + " of " + placeOfTriangle(mesh_, triangle);
   const Point3 middle = a + (b - a) * 0.5;
   if (count < 4)
     return Fault{FaultKind::TooFew,
@@ -210,7 +207,8 @@ Fault ComponentBuilder::notClosed(const Component& component, const PairingCount
         " on one side only, the first " + where;
     if (counts.crowded > 0)
       message += "; " + counted(counts.crowded, "edge is shared", "edges are shared") + " by more than two";
-    return Fault{FaultKind::Open, message + ". Close it; --weld joins vertices that nearly meet",
+    return Fault{FaultKind::Open,
+                 message + ". Close it; --weld joins vertices that nearly meet each other or an edge",
                  double(counts.open), middle, triangle};
   }
   return Fault{FaultKind::NonManifold,

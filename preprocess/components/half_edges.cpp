@@ -1,9 +1,13 @@
 #include "preprocess/components/half_edges.h"
 
 #include <algorithm>
+#include <numbers>
 
 namespace chamfer {
 namespace {
+
+/// Radians between faces that count as one plane around an edge: a few steps of float32 coordinates.
+constexpr double kSameAngle = 1e-6;
 
 /// std::sort, but quick on the handful of entries that a vertex has.
 void sortEntries(std::uint64_t* first, std::uint64_t* last) {
@@ -74,12 +78,12 @@ PairingCounts HalfEdgePairer::pair(std::span<const Triangle> triangles, std::siz
 }
 
 void pairCrowdedEdge(std::span<const std::uint32_t> halfEdges, std::span<const Triangle> triangles,
-                     std::span<const Point3> positions, bool insideOut,
+                     std::span<const Point3> positions, bool insideOut, bool repeatsOnly,
                      std::vector<std::uint32_t>& opposite) {
   struct Side {
-    double angle;
-    bool ends; ///< solid ends at this triangle, in the sense of increasing angle; else it begins
-    std::uint32_t halfEdge;
+    double angle;        ///< about the edge; the first of those that are equal but for rounding
+    bool ends;           ///< solid ends at this triangle, in the sense of increasing angle; else it begins
+    std::uint32_t place; ///< in halfEdges
   };
   const HalfEdges surface{triangles, opposite};
   const std::uint32_t first = halfEdges.front(), a = std::min(surface.start(first), surface.end(first)),
@@ -88,7 +92,8 @@ void pairCrowdedEdge(std::span<const std::uint32_t> halfEdges, std::span<const T
   Vector3 right, up; // a frame across the edge
   std::vector<Side> sides;
   std::size_t ending = 0;
-  for (const std::uint32_t h : halfEdges) {
+  for (std::uint32_t place = 0; place < halfEdges.size(); ++place) {
+    const std::uint32_t h = halfEdges[place];
     const Vector3 to = positions[surface.start(previousHalfEdge(h))] - positions[a];
     const Vector3 across = to - axis * dot(to, axis);
     // A triangle without height has no direction here: rounding decided what is left of it.
@@ -100,12 +105,26 @@ void pairCrowdedEdge(std::span<const std::uint32_t> halfEdges, std::span<const T
     // A triangle that runs along a -> b faces towards increasing angle, so its solid ends there.
     const bool ends = (surface.start(h) == a) != insideOut;
     ending += ends;
-    sides.push_back({std::atan2(dot(across, up), dot(across, right)), ends, h});
+    const double angle = std::atan2(dot(across, up), dot(across, right));
+    sides.push_back(
+        {angle < kSameAngle - std::numbers::pi ? angle + 2 * std::numbers::pi : angle, ends, place});
   }
   if (2 * ending != sides.size()) return;
   std::sort(sides.begin(), sides.end(), [](const Side& s, const Side& t) {
+    return s.angle != t.angle ? s.angle < t.angle : s.place < t.place;
+  });
+  // Coincident faces, differently triangulated, differ by rounding.
+  std::size_t directions = 1;
+  for (std::size_t i = 1; i < sides.size(); ++i) {
+    if (sides[i].angle - sides[i - 1].angle <= kSameAngle)
+      sides[i].angle = sides[i - 1].angle;
+    else
+      ++directions;
+  }
+  if (repeatsOnly && directions > 2) return;
+  std::sort(sides.begin(), sides.end(), [](const Side& s, const Side& t) {
     if (s.angle != t.angle) return s.angle < t.angle;
-    return s.ends != t.ends ? s.ends : s.halfEdge < t.halfEdge;
+    return s.ends != t.ends ? s.ends : s.place < t.place;
   });
   // Begin where no solid is under way: behind the lowest point of (begun - ended).
   std::ptrdiff_t depth = 0, lowest = 0;
@@ -124,8 +143,9 @@ void pairCrowdedEdge(std::span<const std::uint32_t> halfEdges, std::span<const T
     if (!side.ends) continue;
     while (sides[begun].ends)
       ++begun;
-    opposite[side.halfEdge] = sides[begun].halfEdge;
-    opposite[sides[begun].halfEdge] = side.halfEdge;
+    const std::uint32_t g = halfEdges[side.place], h = halfEdges[sides[begun].place];
+    opposite[g] = h;
+    opposite[h] = g;
     ++begun;
   }
 }

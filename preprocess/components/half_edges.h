@@ -55,9 +55,12 @@ private:
 
 /// Pairs the half-edges of edges that more than two triangles share, by geometry: around the edge, solid lies
 /// between a triangle and the next one, in the turning sense in which the inside is. `insideOut`: the
-/// triangles around it face inwards. Touching solids come apart by this. An edge around which as many
-/// triangles do not begin as end solid, or where an angle is not defined, stays as it is.
+/// triangles around it face inwards. Touching solids come apart by this, and solids that are there more than
+/// once: of faces in one place, that of the half-edge named first goes with the first of the others. An edge
+/// around which as many triangles do not begin as end solid, or where an angle is not defined, stays as it
+/// is; so does, with `repeatsOnly`, one with faces in more than two directions.
 void pairCrowdedEdge(std::span<const std::uint32_t> halfEdges, std::span<const Triangle> triangles,
-                     std::span<const Point3> positions, bool insideOut, std::vector<std::uint32_t>& opposite);
+                     std::span<const Point3> positions, bool insideOut, bool repeatsOnly,
+                     std::vector<std::uint32_t>& opposite);
 
 } // namespace chamfer

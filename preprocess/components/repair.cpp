@@ -2,6 +2,9 @@
 
 #include "preprocess/components/component_builder.h"
 #include "preprocess/components/disjoint_sets.h"
+#include "preprocess/components/doubled_patches.h"
+#include "preprocess/components/dropped.h"
+#include "preprocess/components/edge_vertices.h"
 #include "preprocess/components/grouping.h"
 #include "preprocess/components/weld.h"
 
@@ -37,8 +40,13 @@ public:
       weldNear(corners_, mesh_.positions, openVertices(), tolerances_.weld, standsFor_);
       closeWhatCloses();
     }
+    if (!meshTriangle_.empty() && dropDoubledPatches(false)) closePaired();
+    if (!meshTriangle_.empty() && splitAtVertices()) {
+      closePaired();
+      if (!meshTriangle_.empty() && dropDoubledPatches(false)) closePaired();
+    }
     if (!meshTriangle_.empty()) keepFaulty();
-    assignDropped(first);
+    assignDropped(mesh_, standsFor_, first, std::move(dropped_), result_);
     for (std::uint32_t v = 0; v < standsFor_.size(); ++v)
       result_.counts.weldedVertices += standsFor_[v] != v;
   }
@@ -54,7 +62,7 @@ private:
       for (std::uint32_t& v : t)
         v = standsFor_[v];
       if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
-        degenerate_.push_back(m);
+        dropped_.degenerate.push_back(m);
         continue;
       }
       corners_.push_back(t);
@@ -66,11 +74,12 @@ private:
   /// One stage: pairs what meshTriangle_ holds, moves closed surfaces to the result and leaves the rest.
   void closeWhatCloses() {
     takeCorners();
-    if (corners_.empty()) return;
-    if (pairer_.pair(corners_, mesh_.positions.size(), opposite_).crowded > 0) {
-      if (dropDuplicates()) pairer_.pair(corners_, mesh_.positions.size(), opposite_);
-      pairCrowdedEdges();
-    }
+    if (!corners_.empty()) closePaired();
+  }
+
+  /// The same for corners_ as they are.
+  void closePaired() {
+    pairAll();
     DisjointSets sets(corners_.size());
     for (std::uint32_t h = 0; h < opposite_.size(); ++h)
       if (opposite_[h] != kNone) sets.join(h / 3, opposite_[h] / 3);
@@ -102,58 +111,94 @@ private:
     meshTriangle_.resize(rest.size());
   }
 
-  /// Triangles at crowded edges that repeat another one, facing the same way.
-  bool dropDuplicates() {
-    struct Suspect {
-      Triangle corners; ///< from the lowest on
-      std::uint32_t index;
-    };
-    std::vector<Suspect> suspects;
-    for (const std::uint32_t h : pairer_.crowdedHalfEdges()) {
-      Suspect& s = suspects.emplace_back(Suspect{corners_[h / 3], h / 3});
-      std::rotate(s.corners.begin(), std::min_element(s.corners.begin(), s.corners.end()), s.corners.end());
+  /// opposite_ from corners_, after dropping what repeats.
+  void pairAll() {
+    if (pairer_.pair(corners_, mesh_.positions.size(), opposite_).crowded == 0) return;
+    dropDoubledPatches(true);
+    pairer_.pair(corners_, mesh_.positions.size(), opposite_);
+    pairCrowdedEdges();
+  }
+
+  /// Splits triangles at vertices on their edges. Says whether there were any. Triangles without height,
+  /// which polygons with such vertices were cut into, are then of no use.
+  bool splitAtVertices() {
+    if (pairer_.pair(corners_, mesh_.positions.size(), opposite_).open == 0) return false;
+    const std::vector<bool> flat = findFlatTriangles(mesh_.positions, corners_, tolerances_.weld);
+    std::vector<Triangle> corners;
+    std::vector<std::uint32_t> meshTriangle, dropped;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (flat[i]) {
+        dropped.push_back(meshTriangle_[i]);
+        continue;
+      }
+      corners.push_back(corners_[i]);
+      meshTriangle.push_back(meshTriangle_[i]);
     }
-    std::sort(suspects.begin(), suspects.end(), [](const Suspect& a, const Suspect& b) {
-      return a.corners != b.corners ? a.corners < b.corners : a.index < b.index;
-    });
-    std::vector<bool> drop(corners_.size());
-    bool any = false;
-    std::uint32_t original = 0; // of the triangles with the same corners, the first
-    for (std::size_t i = 0; i < suspects.size(); ++i) {
-      if (i == 0 || suspects[i].corners != suspects[i - 1].corners) original = suspects[i].index;
-      if (suspects[i].index == original || drop[suspects[i].index]) continue;
-      duplicates_.push_back({meshTriangle_[suspects[i].index], meshTriangle_[original]});
-      drop[suspects[i].index] = any = true;
-    }
-    if (!any) return false;
+    corners.swap(corners_);
+    meshTriangle.swap(meshTriangle_);
+    pairAll();
+    const std::size_t split =
+        splitAtEdgeVertices(mesh_.positions, opposite_, tolerances_.weld, corners_, meshTriangle_);
+    dropped_.degenerate.insert(dropped_.degenerate.end(), dropped.begin(), dropped.end());
+    result_.counts.splitEdges += split;
+    return split > 0 || !dropped.empty();
+  }
+
+  /// Faces that are there twice: those that face the same way, or all. Says whether there were any.
+  bool dropDoubledPatches(bool sameWay) {
+    if (pairer_.pair(corners_, mesh_.positions.size(), opposite_).crowded == 0) return false;
+    forCrowdedEdges([&](std::vector<std::uint32_t>& edge) { pairWithinFaces(edge); });
+    return dropRepeated(findDoubledPatches(corners_, mesh_.positions, opposite_, pairer_.crowdedHalfEdges(),
+                                           tolerances_.planarity, sameWay));
+  }
+
+  /// Drops the triangles that have an entry in `repeated`: the triangle that stays for them. Says whether
+  /// there were any.
+  bool dropRepeated(const std::vector<std::uint32_t>& repeated) {
+    for (std::size_t i = 0; i < corners_.size(); ++i)
+      if (repeated[i] != kNone) dropped_.duplicates.push_back({meshTriangle_[i], meshTriangle_[repeated[i]]});
     std::size_t kept = 0;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
-      if (drop[i]) continue;
+      if (repeated[i] != kNone) continue;
       corners_[kept] = corners_[i];
       meshTriangle_[kept++] = meshTriangle_[i];
     }
+    const bool any = kept < corners_.size();
     corners_.resize(kept);
     meshTriangle_.resize(kept);
-    return true;
+    return any;
   }
 
   void pairCrowdedEdges() {
-    std::vector<double> volume;
-    DisjointSets pieces(mesh_.soup ? mesh_.positions.size() : 0);
-    if (mesh_.soup) volume = volumeOfPieces(pieces);
+    DisjointSets pieces(mesh_.positions.size()), patches(corners_.size());
+    const std::vector<double> volume = volumeOfPieces(pieces);
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h)
+      if (opposite_[h] != kNone) patches.join(h / 3, opposite_[h] / 3);
+    const auto rank = [&](std::uint32_t h) { return patches.find(h / 3); };
+    forCrowdedEdges([&](std::vector<std::uint32_t>& edge) {
+      pairWithinFaces(edge);
+      if (edge.size() == 2) {
+        opposite_[edge[0]] = edge[1];
+        opposite_[edge[1]] = edge[0];
+      } else if (!edge.empty()) {
+        const bool insideOut = volume[pieces.find(corners_[edge[0] / 3][0])] < 0;
+        std::stable_sort(edge.begin(), edge.end(),
+                         [&](std::uint32_t g, std::uint32_t h) { return rank(g) < rank(h); });
+        // A file that shares vertices says what hangs together; but a solid may be there more than once.
+        pairCrowdedEdge(edge, corners_, mesh_.positions, insideOut, !mesh_.soup, opposite_);
+      }
+    });
+  }
+
+  /// Calls each(half-edges) for each crowded edge.
+  template <class Each>
+  void forCrowdedEdges(const Each& each) {
     std::size_t begin = 0;
     for (const std::uint32_t end : pairer_.crowdedEnds()) {
       std::vector<std::uint32_t> edge(pairer_.crowdedHalfEdges().begin() + std::ptrdiff_t(begin),
                                       pairer_.crowdedHalfEdges().begin() + std::ptrdiff_t(end));
       begin = end;
-      pairWithinFaces(edge);
-      if (edge.size() == 2) {
-        opposite_[edge[0]] = edge[1];
-        opposite_[edge[1]] = edge[0];
-      } else if (mesh_.soup && !edge.empty()) {
-        const bool insideOut = volume[pieces.find(corners_[edge[0] / 3][0])] < 0;
-        pairCrowdedEdge(edge, corners_, mesh_.positions, insideOut, opposite_);
-      }
+      each(edge);
     }
   }
 
@@ -224,31 +269,6 @@ private:
     });
   }
 
-  /// Gives dropped triangles to the components whose surface they lie in.
-  void assignDropped(std::size_t firstComponent) {
-    result_.counts.degenerateTriangles += degenerate_.size();
-    result_.counts.duplicateTriangles += duplicates_.size();
-    if (degenerate_.empty() && duplicates_.empty()) return;
-    std::sort(degenerate_.begin(), degenerate_.end());
-    std::sort(duplicates_.begin(), duplicates_.end());
-    std::vector<std::uint32_t> ofVertex(mesh_.positions.size(), kNone),
-        ofTriangle(mesh_.triangles.size(), kNone);
-    for (std::size_t i = firstComponent; i < result_.list.size(); ++i)
-      for (const std::uint32_t m : result_.list[i].meshTriangle) {
-        ofTriangle[m] = std::uint32_t(i);
-        for (const std::uint32_t v : mesh_.triangles[m])
-          ofVertex[standsFor_[v]] = std::uint32_t(i);
-      }
-    for (const std::uint32_t m : degenerate_)
-      for (const std::uint32_t v : mesh_.triangles[m])
-        if (const std::uint32_t i = ofVertex[standsFor_[v]]; i != kNone) {
-          result_.list[i].degenerate.push_back(m);
-          break;
-        }
-    for (const auto& d : duplicates_)
-      if (const std::uint32_t i = ofTriangle[d[1]]; i != kNone) result_.list[i].duplicates.push_back(d);
-  }
-
   const TriangleMesh& mesh_;
   const InputTolerances& tolerances_;
   const ForEach& forEach_;
@@ -257,8 +277,7 @@ private:
   std::vector<std::uint32_t> meshTriangle_; ///< not closed yet
   std::vector<Triangle> corners_;           ///< of these, as welded
   std::vector<std::uint32_t> opposite_;
-  std::vector<std::uint32_t> degenerate_;
-  std::vector<std::array<std::uint32_t, 2>> duplicates_;
+  Dropped dropped_;
   HalfEdgePairer pairer_;
   tbb::enumerable_thread_specific<ComponentBuilder> builders_;
 };

@@ -5,6 +5,7 @@
 #include "preprocess/components/grouping.h"
 #include "preprocess/components/nesting.h"
 #include "preprocess/components/repair.h"
+#include "preprocess/components/repeats.h"
 
 #include <algorithm>
 #include <tbb/blocked_range.h>
@@ -116,6 +117,7 @@ Components splitComponents(const TriangleMesh& mesh, const InputTolerances& tole
       return a.meshTriangle.front() < b.meshTriangle.front();
     });
   }
+  dropRepeats(mesh, tolerances.planarity, result);
   findCavities(result.list);
   countTurns(result);
   return result;

@@ -1,8 +1,9 @@
 // From a mesh to its components, each a closed, consistently outward-oriented manifold surface, or a named
-// fault. Order of steps and tolerances: connected components by index first; welding by position only inside
-// what is open (soups: weld, then pair faces around edges that more than two share); triangles that name a
-// vertex twice dropped; orientation turned outward; closed, manifold and genus 0 checked. All lengths
-// relative to each component's own diagonal.
+// fault. Order of steps and tolerances: connected components by index first; faces paired by geometry around
+// edges that more than two share; welding by position only inside what is open; then faces that are given
+// twice dropped, and triangles split at vertices that lie on their edges; triangles that name a vertex twice
+// dropped; orientation turned outward; closed, manifold and genus 0 checked; solids that are given twice
+// dropped. All lengths relative to each component's own diagonal.
 #pragma once
 
 #include "preprocess/mesh.h"
@@ -42,19 +43,21 @@ struct Fault {
   std::uint32_t triangle = 0xffffffffu; ///< mesh triangle nearest to the fault
 };
 
-/// One connected component. Vertices are compact and welded; every triangle is the file's, turned outward.
-/// Triangles without area but with three vertices are kept: they may be what closes the surface.
+/// One connected component. Vertices are compact and welded; every triangle is the file's, turned outward, or
+/// a part of one that was split where vertices lie on its edges. Triangles without area but with three
+/// vertices are kept: they may be what closes the surface.
 struct Component {
   std::vector<Point3> positions;                       ///< mesh coordinates
   std::vector<std::array<std::uint32_t, 3>> triangles; ///< outward (counter-clockwise seen from outside)
-  std::vector<std::uint32_t> meshTriangle;             ///< the mesh's triangle of each, ascending
+  /// The mesh's triangle of each, ascending; the parts of a split one name the same.
+  std::vector<std::uint32_t> meshTriangle;
   /// [3 * triangle + k]: 3 * neighbour + its edge across edge k -> k+1. Complete unless there is a fault;
   /// then kNone (0xffffffff) where an edge has no or no single partner.
   std::vector<std::uint32_t> opposite;
   std::vector<std::uint32_t>
       degenerate; ///< mesh triangles dropped because they name a vertex twice; they have no area
   std::vector<std::array<std::uint32_t, 2>>
-      duplicates; ///< {mesh triangle dropped, the mesh triangle it repeats}
+      duplicates; ///< {mesh triangle dropped, a kept one in the same facet}, ascending
   Bounds3 bounds;
   bool turned = false;               ///< was inside out
   std::uint32_t turnedTriangles = 0; ///< turned to face outwards: all of them when it was inside out
@@ -63,7 +66,8 @@ struct Component {
 
 struct ComponentCounts {
   std::size_t weldedVertices = 0, degenerateTriangles = 0, turned = 0, unusedVertices = 0,
-              duplicateTriangles = 0;
+              duplicateTriangles = 0, duplicateSolids = 0;
+  std::size_t splitEdges = 0;      ///< half-edges split at vertices that lie on them
   std::size_t turnedTriangles = 0; ///< of components that were neither right nor wholly inside out
 };
 

@@ -15,14 +15,6 @@ std::uint64_t mix(std::uint64_t h) { // finaliser of MurmurHash3
   return h ^ (h >> 33);
 }
 
-std::uint64_t hashOf(const Point3& p) {
-  // Adding 0 turns -0 into 0.
-  const std::uint64_t x = std::bit_cast<std::uint64_t>(p.x + 0.0),
-                      y = std::bit_cast<std::uint64_t>(p.y + 0.0),
-                      z = std::bit_cast<std::uint64_t>(p.z + 0.0);
-  return mix(x ^ mix(y ^ mix(z)));
-}
-
 /// A pair of vertices near each other.
 struct Near {
   double distance;
@@ -68,6 +60,14 @@ std::vector<Near> findNearPairs(std::span<const Point3> positions, std::span<con
 }
 
 } // namespace
+
+std::uint64_t hashOf(const Point3& p) {
+  // Adding 0 turns -0 into 0.
+  const std::uint64_t x = std::bit_cast<std::uint64_t>(p.x + 0.0),
+                      y = std::bit_cast<std::uint64_t>(p.y + 0.0),
+                      z = std::bit_cast<std::uint64_t>(p.z + 0.0);
+  return mix(x ^ mix(y ^ mix(z)));
+}
 
 void weldExact(std::span<const Triangle> triangles, std::span<const Point3> positions,
                std::vector<std::uint32_t>& standsFor) {

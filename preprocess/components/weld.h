@@ -6,6 +6,9 @@
 
 namespace chamfer {
 
+/// Equal for equal positions; 0 and -0 are equal.
+std::uint64_t hashOf(const Point3& position);
+
 /// Makes vertices at exactly the same position one (0 and -0 are the same). Looks only at the corners of
 /// `triangles`.
 void weldExact(std::span<const Triangle> triangles, std::span<const Point3> positions,

@@ -4,6 +4,7 @@
 
 #include "preprocess/core/polytope.h"
 
+#include <functional>
 #include <optional>
 
 namespace chamfer {
@@ -31,7 +32,9 @@ std::optional<Core> offsetCore(const Polytope& polytope, std::span<const Vector3
 
 /// The general path: the hull (CGAL, exact predicates) of the dual points n_f / (d_f - r) about the frame's
 /// origin, which must lie inside E. Vertices nearer than the tolerance are merged. Nothing when what is left
-/// after merging is not the surface of a polytope (a core thinner than its storage can tell).
-std::optional<Core> exactCore(std::span<const Plane> planes, double radius, const MergeTolerance& tolerance);
+/// after merging is not the surface of a polytope (a core thinner than its storage can tell). `share` is told
+/// how much is done, 0 to 1, and may throw.
+std::optional<Core> exactCore(std::span<const Plane> planes, double radius, const MergeTolerance& tolerance,
+                              const std::function<void(double)>& share);
 
 } // namespace chamfer

@@ -196,11 +196,17 @@ std::optional<Core> merged(const RawCore& raw, std::span<const Plane> planes, do
 
 } // namespace
 
-std::optional<Core> exactCore(std::span<const Plane> planes, double radius, const MergeTolerance& tolerance) {
+std::optional<Core> exactCore(std::span<const Plane> planes, double radius, const MergeTolerance& tolerance,
+                              const std::function<void(double)>& share) {
   const auto raw = dualHull(planes, radius);
   if (!raw) return std::nullopt;
-  for (double t = tolerance.preferred; t > tolerance.least; t /= 4)
+  double done = 0.5;
+  for (double t = tolerance.preferred; t > tolerance.least; t /= 4) {
+    share(done);
     if (auto core = merged(*raw, planes, t)) return core;
+    done += 0.5 * (1 - done);
+  }
+  share(done);
   return merged(*raw, planes, tolerance.least);
 }
 

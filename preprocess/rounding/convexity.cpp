@@ -1,6 +1,8 @@
 #include "preprocess/rounding/convexity.h"
 
+#include "preprocess/components/half_edges.h"
 #include "preprocess/core/linear_program.h"
+#include "preprocess/rounding/plane_tree.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
@@ -16,8 +18,16 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Hull = CGAL::Surface_mesh<Point>;
 
-std::vector<Plane> planesOf(const Surface& s) {
+constexpr std::size_t kStride = 4096; ///< triangles between reports of progress
+
+/// The planes of a hull's triangles, each with a point of its triangle.
+struct TrianglePlanes {
   std::vector<Plane> planes;
+  std::vector<Vector3> places;
+};
+
+TrianglePlanes planesOf(const Surface& s) {
+  TrianglePlanes result;
   for (const auto& t : s.triangles) {
     const Vector3 a = s.positions[t[0]], b = s.positions[t[1]], c = s.positions[t[2]];
     const Vector3 area = cross(b - a, c - a);
@@ -26,9 +36,26 @@ std::vector<Plane> planesOf(const Surface& s) {
     const double longest = std::max({lengthSquared(b - a), lengthSquared(c - b), lengthSquared(a - c)});
     if (!(twice > 1e-12 * longest)) continue;
     const Vector3 n = area / twice;
-    planes.push_back({n, std::max({dot(n, a), dot(n, b), dot(n, c)})});
+    result.planes.push_back({n, std::max({dot(n, a), dot(n, b), dot(n, c)})});
+    result.places.push_back((a + b + c) / 3);
   }
-  return planes;
+  return result;
+}
+
+/// For each facet a point of one of its triangles.
+std::vector<Vector3> placesOf(const Surface& s, const Polytope& polytope) {
+  std::vector<Vector3> places(polytope.facets.size());
+  for (std::size_t t = 0; t < s.triangles.size(); ++t)
+    if (const std::uint32_t f = polytope.facetOfTriangle[t]; f < places.size()) {
+      const auto& v = s.triangles[t];
+      places[f] = (s.positions[v[0]] + s.positions[v[1]] + s.positions[v[2]]) / 3;
+    }
+  return places;
+}
+
+std::array<Vector3, 3> cornersOf(const Surface& s, std::size_t triangle) {
+  const auto& v = s.triangles[triangle];
+  return {s.positions[v[0]], s.positions[v[1]], s.positions[v[2]]};
 }
 
 struct Depth {
@@ -36,17 +63,31 @@ struct Depth {
   Vector3 place;
 };
 
-Depth depthOfTriangle(std::span<const Plane> planes, const Vector3& a, const Vector3& u, const Vector3& v,
-                      double scale) {
+/// The deepest point of a triangle below a hull: a linear program over the planes that matter, which are
+/// found one after the other as the nearest to the point that is the deepest without them.
+Depth depthOfTriangle(const PlaneTree& tree, std::span<const Plane> planes,
+                      const std::array<Vector3, 3>& corners, double scale) {
+  const Vector3 a = corners[0], u = corners[1] - a, v = corners[2] - a;
+  std::vector<std::uint32_t> near;
   const auto row = [&](std::size_t i) -> LpRow<3> {
-    if (i == planes.size()) return {{-1, 0, 0}, 0};
-    if (i == planes.size() + 1) return {{0, -1, 0}, 0};
-    if (i == planes.size() + 2) return {{1, 1, 0}, 1};
-    const Plane& q = planes[i];
+    if (i == near.size()) return {{-1, 0, 0}, 0};
+    if (i == near.size() + 1) return {{0, -1, 0}, 0};
+    if (i == near.size() + 2) return {{1, 1, 0}, 1};
+    const Plane& q = planes[near[i]];
     return {{dot(q.normal, u) / scale, dot(q.normal, v) / scale, 1}, (q.offset - dot(q.normal, a)) / scale};
   };
-  const auto z = maximizeLast<3>(planes.size() + 3, row, 4.0);
-  return z ? Depth{(*z)[2] * scale, a + u * (*z)[0] + v * (*z)[1]} : Depth{0, a};
+  for (const Vector3& corner : corners)
+    near.push_back(tree.nearest(std::span(&corner, 1)).plane);
+  for (;;) {
+    const auto z = maximizeLast<3>(near.size() + 3, row, 4.0);
+    if (!z) return {0, a};
+    const Depth deepest{(*z)[2] * scale, a + u * (*z)[0] + v * (*z)[1]};
+    const PlaneTree::Nearest nearest = tree.nearest(std::span(&deepest.place, 1));
+    if (deepest.depth - nearest.depth <= 4e-14 * scale ||
+        std::find(near.begin(), near.end(), nearest.plane) != near.end())
+      return deepest;
+    near.push_back(nearest.plane);
+  }
 }
 
 double volume6(const Surface& s) {
@@ -58,7 +99,7 @@ double volume6(const Surface& s) {
 
 /// The hull with the points' own numbers kept in order, its triangles sorted: CGAL's order differs from run
 /// to run.
-Surface toSurface(const Hull& hull, const std::vector<Point>& points) {
+Surface toSurface(const Hull& hull, const std::vector<Point>& points, std::vector<std::uint32_t>& vertexOf) {
   std::map<Point, std::uint32_t> firstOf;
   for (std::uint32_t i = 0; i < points.size(); ++i)
     firstOf.emplace(points[i], i);
@@ -70,6 +111,7 @@ Surface toSurface(const Hull& hull, const std::vector<Point>& points) {
   std::vector<std::uint32_t> name(hull.num_vertices());
   for (const auto& [point, v] : order) {
     name[std::size_t(v)] = std::uint32_t(s.positions.size());
+    vertexOf.push_back(point);
     const Point& p = points[point];
     s.positions.push_back({p.x(), p.y(), p.z()});
   }
@@ -84,12 +126,7 @@ Surface toSurface(const Hull& hull, const std::vector<Point>& points) {
     s.triangles.push_back(t);
   }
   std::sort(s.triangles.begin(), s.triangles.end());
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> edges;
-  for (std::uint32_t e = 0; e < 3 * s.triangles.size(); ++e)
-    edges.emplace(std::pair(s.triangles[e / 3][e % 3], s.triangles[e / 3][(e % 3 + 1) % 3]), e);
-  s.opposite.resize(3 * s.triangles.size());
-  for (const auto& [edge, e] : edges)
-    s.opposite[e] = edges.at({edge.second, edge.first});
+  HalfEdgePairer().pair(s.triangles, s.positions.size(), s.opposite);
   return s;
 }
 
@@ -127,15 +164,6 @@ private:
   std::vector<std::vector<std::uint32_t>> around_;
 };
 
-/// Do all three vertices lie on the plane of one facet, within the tolerance that makes a facet one?
-bool onAFacet(const Polytope& polytope, const Surface& surface, const std::array<std::uint32_t, 3>& t,
-              double planarity) {
-  const Vector3 &a = surface.positions[t[0]], &b = surface.positions[t[1]], &c = surface.positions[t[2]];
-  for (const Plane& p : polytope.facets)
-    if (p.offset - std::min({dot(p.normal, a), dot(p.normal, b), dot(p.normal, c)}) <= planarity) return true;
-  return false;
-}
-
 } // namespace
 
 bool cheapToCompare(const Surface& surface, const Polytope& polytope) {
@@ -166,63 +194,59 @@ bool convexByPlanes(const Surface& surface, Polytope& polytope, double tolerance
   return true;
 }
 
-std::optional<HullResult> hullOf(const Surface& surface, double planarity) {
+std::optional<HullResult> hullOf(const Surface& surface, double planarity, const Share& share) {
   std::vector<Point> points;
   points.reserve(surface.positions.size());
   for (const Vector3& p : surface.positions)
     points.emplace_back(p.x, p.y, p.z);
   Hull hull;
+  share(0);
   CGAL::convex_hull_3(points.begin(), points.end(), hull);
+  share(0.5);
   if (hull.number_of_faces() < 4 || !CGAL::is_closed(hull)) return std::nullopt;
-  HullResult result{toSurface(hull, points), {}, {}};
+  HullResult result;
+  result.hull = toSurface(hull, points, result.vertexOf);
   result.facets = findFacets(result.hull, planarity);
   const double hullVolume = volume6(result.hull);
   if (!(hullVolume > 0)) return std::nullopt;
   result.verdict.coverage = volume6(surface) / hullVolume;
 
-  const std::vector<Plane> planes = planesOf(result.hull);
+  const auto [planes, places] = planesOf(result.hull);
+  const PlaneTree tree(planes, places);
   const FacetsAround around(surface, result.hull, result.facets);
+  const std::vector<Vector3> facetPlaces = placesOf(result.hull, result.facets);
+  const PlaneTree facetTree(result.facets.facets, facetPlaces);
   Bounds3 bounds;
   for (const Vector3& p : surface.positions)
     bounds.extend(Point3(p));
   const double scale = bounds.diagonal();
   HullVerdict& verdict = result.verdict;
-  const auto consider = [&](const Depth& d, std::size_t t) {
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (t % kStride == 0) share(0.5 + 0.5 * double(t) / double(surface.triangles.size()));
+    const auto corners = cornersOf(surface, t);
+    // On a facet within the tolerance that makes a facet one; or with corners that are all less deep below
+    // one plane than what was found already.
+    if (around.common(surface.triangles[t]) || facetTree.nearest(corners).depth <= planarity) continue;
+    if (verdict.depth > 0 && tree.nearest(corners).depth <= verdict.depth) continue;
+    // The depth is concave along an edge and over a face, so the face's maximum covers its edges and corners.
+    const Depth d = depthOfTriangle(tree, planes, corners, scale);
     if (d.depth > verdict.depth) {
       verdict.depth = d.depth;
       verdict.place = d.place;
       verdict.triangle = std::uint32_t(t);
     }
-  };
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    const auto& v = surface.triangles[t];
-    if (around.common(v) || onAFacet(result.facets, surface, v, planarity)) continue;
-    const Vector3 a = surface.positions[v[0]], b = surface.positions[v[1]], c = surface.positions[v[2]];
-    // The depth is concave along an edge and over a face, so the face's maximum covers its edges and corners.
-    consider(depthOfTriangle(planes, a, b - a, c - a, scale), t);
   }
   return result;
 }
 
 std::vector<std::uint32_t> facetsOnHull(const Surface& surface, const Surface& hull, const Polytope& facets) {
   const FacetsAround around(surface, hull, facets);
+  const std::vector<Vector3> places = placesOf(hull, facets);
+  const PlaneTree tree(facets.facets, places);
   std::vector<std::uint32_t> result(surface.triangles.size(), 0);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (const auto common = around.common(surface.triangles[t])) {
-      result[t] = *common;
-      continue;
-    }
-    double best = INFINITY;
-    for (std::uint32_t f = 0; f < facets.facets.size(); ++f) {
-      const Plane& q = facets.facets[f];
-      double deepest = 0;
-      for (const std::uint32_t v : surface.triangles[t])
-        deepest = std::max(deepest, q.offset - dot(q.normal, surface.positions[v]));
-      if (deepest < best) {
-        best = deepest;
-        result[t] = f;
-      }
-    }
+    const auto common = around.common(surface.triangles[t]);
+    result[t] = common ? *common : tree.nearest(cornersOf(surface, t)).plane;
   }
   return result;
 }

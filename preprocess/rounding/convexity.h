@@ -5,6 +5,7 @@
 
 #include "preprocess/core/polytope.h"
 
+#include <functional>
 #include <optional>
 
 namespace chamfer {
@@ -25,14 +26,17 @@ struct HullVerdict {
 };
 
 struct HullResult {
-  Surface hull;    ///< triangulated, outward
-  Polytope facets; ///< of the hull
+  Surface hull;                        ///< triangulated, outward
+  std::vector<std::uint32_t> vertexOf; ///< of each of the hull's vertices: the surface's, ascending
+  Polytope facets;                     ///< of the hull
   HullVerdict verdict;
 };
 
 /// Convex hull by CGAL (exact predicates) and the surface's depth below it. Nothing when the points are
-/// coplanar. `planarity`: the tolerance (a length) for merging the hull's triangles into facets.
-std::optional<HullResult> hullOf(const Surface& surface, double planarity);
+/// coplanar. `planarity`: the tolerance (a length) for merging the hull's triangles into facets. `share` is
+/// told how much is done, 0 to 1, and may throw. O(n log n) for surfaces near their hull.
+using Share = std::function<void(double)>;
+std::optional<HullResult> hullOf(const Surface& surface, double planarity, const Share& share);
 
 /// For each triangle of `surface` the facet of its hull that all three corners lie on, else the nearest one.
 std::vector<std::uint32_t> facetsOnHull(const Surface& surface, const Surface& hull, const Polytope& facets);

@@ -10,6 +10,8 @@
 namespace chamfer {
 namespace {
 
+constexpr std::size_t kLargeSolid = 20000; ///< triangles of a solid whose stages are worth reporting
+
 class Stopwatch {
 public:
   /// Seconds since the last call or construction.
@@ -36,12 +38,44 @@ std::string coordinates(const Vector3& p) {
   return text;
 }
 
+/// Reports the stage of a solid that takes long by itself.
+Share shareOf(const PreprocessOptions& options, const char* stage, const Surface& surface) {
+  if (!options.progress || surface.triangles.size() < kLargeSolid) return [](double) {};
+  return [&options, stage](double share) { options.progress(stage, share); };
+}
+
+/// By fans over the facets' corners, in order: how the hull was triangulated differs from run to run.
+void takeHullTriangles(const HullResult& hull, const Polytope& polytope, RoundedSolid& solid) {
+  std::vector<std::pair<std::array<std::uint32_t, 3>, std::uint32_t>> triangles; // with facet
+  const auto add = [&](std::array<std::uint32_t, 3> t, std::uint32_t facet) {
+    for (std::uint32_t& v : t)
+      v = hull.vertexOf[v];
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    triangles.emplace_back(t, facet);
+  };
+  for (std::uint32_t f = 0; f < polytope.loops.size(); ++f) {
+    const auto loop = polytope.loops[f];
+    const std::size_t first = std::size_t(std::min_element(loop.begin(), loop.end()) - loop.begin());
+    for (std::size_t i = 1; i + 1 < loop.size(); ++i)
+      add({loop[first], loop[(first + i) % loop.size()], loop[(first + i + 1) % loop.size()]}, f);
+  }
+  if (polytope.loops.size() == 0) // a facet's border is not one loop
+    for (std::size_t t = 0; t < hull.hull.triangles.size(); ++t)
+      add(hull.hull.triangles[t], polytope.facetOfTriangle[t]);
+  std::sort(triangles.begin(), triangles.end());
+  for (const auto& [t, facet] : triangles) {
+    solid.hullTriangles.push_back(t);
+    solid.hullFacets.push_back(facet);
+  }
+}
+
 /// Judges a surface that the cheap test did not accept. Within the tolerance its hull becomes the solid.
 std::optional<Fault> judgeByHull(const Component& component, const PreprocessOptions& options,
                                  const Surface& surface, double diagonal, RoundedSolid& solid,
                                  Polytope& polytope, std::vector<Vector3>& positions) {
   const auto meshTriangle = [&](std::uint32_t t) { return component.meshTriangle[t]; };
-  auto hull = hullOf(surface, options.tolerances.planarity * diagonal);
+  auto hull =
+      hullOf(surface, options.tolerances.planarity * diagonal, shareOf(options, "convexity", surface));
   if (!hull)
     return Fault{FaultKind::Flat, "all its vertices lie in one plane", 0, component.positions.front(),
                  meshTriangle(0)};
@@ -71,6 +105,7 @@ std::optional<Fault> judgeByHull(const Component& component, const PreprocessOpt
     polytope = findFacets(hull->hull, 0);
     convexByPlanes(hull->hull, polytope, options.tolerances.convexity * diagonal);
   }
+  if (solid.usedHull) takeHullTriangles(*hull, polytope, solid);
   positions = hull->hull.positions;
   solid.facetOfTriangle = facetsOnHull(surface, hull->hull, polytope);
   return std::nullopt;
@@ -90,12 +125,13 @@ void recentre(RoundedSolid& solid, const Vector3& to, Polytope& polytope, std::v
     p -= to;
 }
 
-std::vector<FacetTree> buildTrees(const RoundedSolid& solid, const Surface& surface) {
+std::vector<FacetTree> buildTrees(const RoundedSolid& solid, const Surface& surface, const Share& share) {
   const Lists& loops = solid.core.loops;
   std::vector<FacetTree> trees;
   std::vector<Bounds3> domains; // by facet, once any is wanted
   for (std::uint32_t f = 0; f < loops.size(); ++f) {
     const auto loop = loops[f];
+    if (f % 1024 == 0) share(double(f) / double(loops.size()));
     if (loop.size() <= kLoopIsLeaf) continue;
     if (domains.empty()) {
       domains.resize(loops.size());
@@ -143,6 +179,9 @@ RoundedSolid roundSolid(const Component& component, const PreprocessOptions& opt
   }
   times.convexity += watch.lap();
 
+  const Share inCore = shareOf(options, "core", surface),
+              inDetection = shareOf(options, "detection", surface);
+  inCore(0);
   const InnerBall inner = largestBall(polytope.facets, solid.boundRadius);
   solid.inradius = inner.radius;
   if (!(inner.radius > 1e-9 * diagonal)) {
@@ -164,8 +203,10 @@ RoundedSolid roundSolid(const Component& component, const PreprocessOptions& opt
   // The frame's origin becomes the inner ball's centre, a point inside E.
   recentre(solid, inner.centre, polytope, surface.positions, hullPositions);
   const MergeTolerance merge = mergeTolerance(solid.boundRadius, inner.radius, solid.radius);
+  inCore(0.2);
   auto core = offsetCore(polytope, plain ? surface.positions : hullPositions, solid.radius, merge.preferred);
-  if (!core) core = exactCore(polytope.facets, solid.radius, merge);
+  if (!core)
+    core = exactCore(polytope.facets, solid.radius, merge, [&](double share) { inCore(0.2 + 0.8 * share); });
   if (!core) {
     solid.radiusTooLarge = true;
     return solid;
@@ -174,7 +215,7 @@ RoundedSolid roundSolid(const Component& component, const PreprocessOptions& opt
   solid.facets = std::move(polytope.facets);
   linkCore(solid);
   times.core += watch.lap();
-  solid.trees = buildTrees(solid, surface);
+  solid.trees = buildTrees(solid, surface, inDetection);
   times.detection += watch.lap();
   return solid;
 }

@@ -27,6 +27,10 @@ struct RoundedSolid {
   std::vector<std::uint32_t> startOfFacet;
   std::vector<FacetTree> trees;               ///< ascending facet
   std::vector<std::uint32_t> facetOfTriangle; ///< of the component's triangles
+  /// The hull's surface where `usedHull`: the component's vertices, counter-clockwise, and each triangle's
+  /// facet.
+  std::vector<std::array<std::uint32_t, 3>> hullTriangles;
+  std::vector<std::uint32_t> hullFacets;
   std::size_t cornersOver3 = 0;
   double depth = 0; ///< accepted depth below the hull, relative to the diagonal
   bool usedHull = false, clamped = false;

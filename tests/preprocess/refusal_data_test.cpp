@@ -85,6 +85,12 @@ double deepestSample(const Component& component, const HullDepth& depthOf) {
   return deepest;
 }
 
+bool takesWarpedPolygons(const std::string& file) {
+  const auto warnings = readMesh(kData / file).warnings;
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [](const std::string& w) { return w.find("is warped: ") != std::string::npos; });
+}
+
 class RefusalOfRealMeshes : public testing::Test {
 protected:
   void SetUp() override {
@@ -106,6 +112,18 @@ TEST_F(RefusalOfRealMeshes, NearConvexOnesAboveTheToleranceWithTheirDepth) {
   for (const Entry& entry : folders_["near"]) {
     SCOPED_TRACE(entry.file);
     const Outcome outcome = outcomeOf(entry.file);
+    if (takesWarpedPolygons(entry.file)) {
+      // The index took polygons as fans. Of two files with warped ones the convex triangulation is within the
+      // tolerance, by the oracle's hull.
+      EXPECT_THAT(entry.file, AnyOf("near/dex-urdf-meshes-collision-f41.obj",
+                                    "near/pybullet-object-models-YcbTennisBall-collision_vhacd.obj"));
+      ASSERT_FALSE(outcome.error) << outcome.error->what();
+      EXPECT_EQ(outcome.result->report.hulledComponents, 0u);
+      for (const Component& component : splitComponents(readMesh(kData / entry.file), {}).list) {
+        EXPECT_LE(deepestSample(component, HullDepth(component)), tolerance);
+      }
+      continue;
+    }
     ASSERT_EQ(outcome.error.has_value(), entry.deepest() > tolerance)
         << (outcome.error ? outcome.error->what() : "was rounded") << "; depth " << entry.deepest();
     // The index looked at vertices and some places of the surface: the deepest place lies as deep or deeper.
@@ -135,7 +153,8 @@ TEST_F(RefusalOfRealMeshes, ButTheirHullsAreRoundedOnRequest) {
     const Outcome outcome = outcomeOf(entry.file, OnNonConvex::Hull);
     ASSERT_TRUE(outcome.result) << outcome.error->what();
     EXPECT_EQ(outcome.result->report.solids, entry.nonconvexity.size());
-    EXPECT_EQ(outcome.result->report.hulledComponents > 0, entry.deepest() > InputTolerances{}.convexity);
+    EXPECT_EQ(outcome.result->report.hulledComponents > 0,
+              entry.deepest() > InputTolerances{}.convexity && !takesWarpedPolygons(entry.file));
     EXPECT_NO_THROW(validate(outcome.result->rounding->view()));
   }
 }

@@ -200,6 +200,9 @@ TEST_F(SidecarTest, WrongIndicesAreFoundBehindRightChecksums) {
 
 TEST_F(SidecarTest, SizeIsWithinBudgetForManyBoxes) {
   std::vector<oracle::ConvexSolid> boxes(500, oracle::cube());
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (auto& v : boxes[i].vertices)
+      v.x() += 2 * double(i);
   PreprocessOptions options;
   options.radius = parseRadius("1%");
   const auto result = preprocess(meshOf(boxes), options);

@@ -43,7 +43,10 @@ protected:
       const TriangleMesh mesh = readMesh(kData / entry.file);
       const Components components = splitComponents(mesh, {});
       EXPECT_EQ(partitionDefect(components, mesh), "");
-      ASSERT_EQ(components.list.size(), entry.components);
+      // One file holds a cube twice in one place; the second is dropped.
+      EXPECT_EQ(components.counts.duplicateSolids, entry.file == "pieces/bullet3-toys-cube.obj" ||
+                                                       entry.file == "either/two-cubes-identical.obj");
+      ASSERT_EQ(components.list.size() + components.counts.duplicateSolids, entry.components);
       std::size_t turned = 0;
       for (const Component& c : components.list) {
         turned += c.turned;
@@ -65,7 +68,7 @@ protected:
 };
 
 TEST_F(RealMeshes, CatalogueIsSound) { expectSound("catalogue", 133); }
-TEST_F(RealMeshes, PiecesAreSound) { expectSound("pieces", 403); }
+TEST_F(RealMeshes, PiecesAreSound) { expectSound("pieces", 402); }
 TEST_F(RealMeshes, NearConvexOnesAreSound) { expectSound("near", 47); }
 TEST_F(RealMeshes, NastyLegalOnesAreSound) { expectSound("accepted", 46); }
 

@@ -14,6 +14,30 @@ Corners cornersOf(const TriangleMesh& mesh, std::uint32_t triangle) {
   return {mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]};
 }
 
+/// Largest distance of the part's corners from the border of the triangle it is a part of.
+double offBorder(const Corners& part, const Corners& whole) {
+  double largest = 0;
+  for (const Point3& p : part) {
+    double least = INFINITY;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3 edge = whole[(k + 1) % 3] - whole[k], to = p - whole[k];
+      const double size = lengthSquared(edge);
+      const double along = size > 0 ? std::clamp(dot(to, edge) / size, 0.0, 1.0) : 0;
+      least = std::min(least, length(to - edge * along));
+    }
+    largest = std::max(largest, least);
+  }
+  return largest;
+}
+
+double distanceFromPlane(const Corners& triangle, const Corners& of) {
+  const Vector3 area = cross(of[1] - of[0], of[2] - of[0]);
+  double largest = 0;
+  for (const Point3& p : triangle)
+    largest = std::max(largest, length(area) > 0 ? std::abs(dot(area, p - of[0])) / length(area) : 0);
+  return largest;
+}
+
 /// Largest distance between the corners of two triangles, in the order that makes it smallest.
 double moved(const Corners& a, const Corners& b) {
   double best = INFINITY;
@@ -54,7 +78,10 @@ std::string surfaceDefect(const Component& c, const TriangleMesh& mesh) {
     const auto at = [&](std::size_t k) { return c.positions[v[k]] - bounds.centre(); };
     volume += dot(at(0), cross(at(1), at(2)));
     const Corners own{c.positions[v[0]], c.positions[v[1]], c.positions[v[2]]};
-    if (!(moved(own, cornersOf(mesh, c.meshTriangle[t])) <= 1e-6 * bounds.diagonal()))
+    const std::uint32_t m = c.meshTriangle[t];
+    const bool part = std::count(c.meshTriangle.begin(), c.meshTriangle.end(), m) > 1;
+    const Corners whole = cornersOf(mesh, m);
+    if (!((part ? offBorder(own, whole) : moved(own, whole)) <= 1e-6 * bounds.diagonal()))
       return "has a triangle that is not the mesh's";
   }
   if (std::find(used.begin(), used.end(), false) != used.end()) return "has an unused vertex";
@@ -83,14 +110,16 @@ std::string partitionDefect(const Components& components, const TriangleMesh& me
     if (c.meshTriangle.empty()) return "component without triangles";
     if (i > 0 && c.meshTriangle.front() <= last) return "components out of order";
     last = c.meshTriangle.front();
-    for (const std::uint32_t t : c.meshTriangle)
-      ++times[t];
+    for (std::size_t k = 0; k < c.meshTriangle.size(); ++k)
+      times[c.meshTriangle[k]] +=
+          k == 0 || c.meshTriangle[k] != c.meshTriangle[k - 1]; // parts of a split one
     for (const std::uint32_t t : c.degenerate)
       ++times[t];
     for (const auto& [dropped, repeated] : c.duplicates) {
       ++times[dropped];
-      if (!(moved(cornersOf(mesh, dropped), cornersOf(mesh, repeated)) <= 1e-6 * c.bounds.diagonal()))
-        return "a duplicate of another triangle";
+      const Corners one = cornersOf(mesh, dropped), other = cornersOf(mesh, repeated);
+      if (!(std::min(moved(one, other), distanceFromPlane(one, other)) <= 2e-6 * c.bounds.diagonal()))
+        return "a duplicate that lies elsewhere";
     }
   }
   for (std::size_t t = 0; t < times.size(); ++t) {

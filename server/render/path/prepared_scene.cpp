@@ -19,6 +19,7 @@ std::string shown(double v) {
 std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, const RoundingOptions& wanted,
                                               unsigned threads) {
   PreprocessOptions options = optionsOf(wanted);
+  options.keepTriangles = true; // the mesh is what is traced: hulls are in it already
   options.threads = threads;
   try {
     return preprocess(*mesh.mesh, options).rounding;

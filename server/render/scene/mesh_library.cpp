@@ -123,16 +123,41 @@ const MeshLibrary::Geometry& MeshLibrary::geometry(const fs::path& file) {
   return entry->second;
 }
 
+const MeshLibrary::Geometry& MeshLibrary::hulled(std::shared_ptr<const TriangleMesh> mesh) {
+  const auto [entry, added] = hulled_.try_emplace(contentDigest(*mesh, geometryDigest(*mesh)).hex());
+  if (added) entry->second = geometryOf(std::move(mesh));
+  return entry->second;
+}
+
+const MeshLibrary::Geometry* MeshLibrary::withHulls(const Geometry& geometry) {
+  SceneMesh mesh;
+  mesh.mesh = geometry.mesh;
+  mesh.options.onNonConvex = OnNonConvex::Hull;
+  try {
+    const PreprocessResult result = round(mesh, {1e-6, true}, threads_);
+    return result.mesh ? &hulled(result.mesh) : nullptr;
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::NotConvexSolid && e.kind() != ErrorKind::RadiusTooLarge) throw;
+    return nullptr;
+  }
+}
+
 std::shared_ptr<const Rounding> MeshLibrary::sidecar(const MeshDescription& d, const Geometry& g,
-                                                     const fs::path& mesh,
-                                                     std::vector<std::string>& warnings) const {
+                                                     const fs::path& mesh, std::vector<std::string>& warnings,
+                                                     const Geometry*& its) {
   const fs::path file = sidecarOf(mesh);
   std::error_code error;
   if (d.staysSharp || !fs::is_regular_file(file, error)) return nullptr;
   resolveBelow(root_, file.parent_path(), file.filename().string()); // no link leads out
   try {
-    auto rounding = loadSidecar(file, &g.geometry);
-    if (rounding->view().facetOfTriangle.size() != g.mesh->triangles.size())
+    auto rounding = loadSidecar(file);
+    its = &g;
+    if (rounding->meshDigest() != g.geometry) {
+      its = withHulls(g);
+      if (!its || rounding->meshDigest() != its->geometry)
+        rounding = loadSidecar(file, &g.geometry); // says that it is stale
+    }
+    if (rounding->view().facetOfTriangle.size() != its->mesh->triangles.size())
       throw Error(ErrorKind::DamagedSidecar, "the sidecar is damaged: it does not have the mesh's number of "
                                              "triangles; run chamferprep on the mesh again");
     return rounding;
@@ -153,17 +178,20 @@ LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>&
   m.file = resolveBelow(root_, base_, d.file);
   const bool unit = stretch == Stretch();
   const Geometry& original = geometry(m.file);
-  const Geometry g = stretch.isUniform() ? original : geometryOf(stretched(*original.mesh, stretch));
-  m.mesh = g.mesh;
-  m.traced = g.traced;
+  Geometry ofStretch;
+  if (!stretch.isUniform()) ofStretch = geometryOf(stretched(*original.mesh, stretch));
+  const Geometry& written = stretch.isUniform() ? original : ofStretch;
+  const Geometry* g = &written;
+  m.mesh = g->mesh;
   m.staysSharp = d.staysSharp;
   if (stretch.isUniform()) m.radiusUnit = stretch.scale();
   if (!unit) m.name += " (scaled " + stretch.text() + ")";
-  for (const std::string& w : g.mesh->warnings)
+  for (const std::string& w : g->mesh->warnings)
     warnings.push_back(where + w);
 
   // A stretched mesh has no sidecar, but is to be rounded as its file's says.
-  m.rounding = sidecar(d, original, m.file, warnings);
+  const Geometry* its = nullptr;
+  m.rounding = sidecar(d, original, m.file, warnings, its);
   if (m.rounding) m.options = m.rounding->options();
   if (d.onNonConvex) m.options.onNonConvex = *d.onNonConvex;
   if (d.radiusClamp) m.options.clamp = *d.radiusClamp;
@@ -171,19 +199,24 @@ LoadedMesh MeshLibrary::load(const MeshDescription& d, std::vector<std::string>&
   if (radius && d.worldRadius) radius->value /= m.radiusUnit;
   if (m.rounding && (!stretch.isUniform() || (radius && !fits(*m.rounding, d, *radius))))
     m.rounding = nullptr; // made for another radius
+  if (m.rounding) g = its;
   if (radius && !m.rounding) {
     PreprocessResult result = round(m, *radius, threads_);
     m.rounding = std::move(result.rounding);
+    if (result.mesh) g = &hulled(result.mesh);
     for (const std::string& w : result.report.warnings)
-      if (std::find(g.mesh->warnings.begin(), g.mesh->warnings.end(), w) == g.mesh->warnings.end())
+      if (std::find(written.mesh->warnings.begin(), written.mesh->warnings.end(), w) ==
+          written.mesh->warnings.end())
         warnings.push_back(where + w);
   }
+  m.mesh = g->mesh;
+  m.traced = g->traced;
   if (m.rounding) m.options = m.rounding->options();
   if (!d.staysSharp && (m.rounding || d.path.empty()))
     m.maxRadius = largestRadius(m, threads_) * m.radiusUnit;
   if (!m.rounding && !d.path.empty()) m.staysSharp = true; // a scene file's mesh without radius and sidecar
 
-  std::string content = g.content.hex() + (m.staysSharp ? "sharp" : "") + optionsText(m.options);
+  std::string content = g->content.hex() + (m.staysSharp ? "sharp" : "") + optionsText(m.options);
   if (m.rounding) {
     const RoundingView& view = m.rounding->view();
     content += digestText(view);

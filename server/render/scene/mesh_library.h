@@ -30,6 +30,8 @@ public:
   ///    here (what is wrong with a sidecar becomes a warning), with the sidecar's options where the
   ///    description names none;
   ///  - without: the sidecar's, or none where there is no sidecar. Throws StaleSidecar, DamagedSidecar.
+  /// A sidecar fits the mesh of the file or that with hulls (PreprocessResult::mesh); what is rounded as its
+  /// hull is traced as its hull, too.
   /// `stretch`: of the instances that the mesh is for, where the description's radius is in world units. A
   /// uniform one changes the radius, any other the mesh: its copy has the stretch already.
   LoadedMesh load(const MeshDescription& description, std::vector<std::string>& warnings,
@@ -43,13 +45,19 @@ private:
   };
   const Geometry& geometry(const std::filesystem::path& file);
   static Geometry geometryOf(std::shared_ptr<const TriangleMesh> mesh);
+  /// Null where there is none. `its`: set to the geometry that it belongs to.
   std::shared_ptr<const Rounding> sidecar(const MeshDescription& description, const Geometry& geometry,
                                           const std::filesystem::path& mesh,
-                                          std::vector<std::string>& warnings) const;
+                                          std::vector<std::string>& warnings, const Geometry*& its);
+  /// What a file's mesh becomes where components of it are rounded as their hulls (PreprocessResult::mesh).
+  const Geometry& hulled(std::shared_ptr<const TriangleMesh> mesh);
+  /// The same for a mesh; null where there are none.
+  const Geometry* withHulls(const Geometry& geometry);
 
   std::filesystem::path root_, base_;
   unsigned threads_;
   std::map<std::filesystem::path, Geometry> geometries_;
+  std::map<std::string, Geometry> hulled_; ///< by content
 };
 
 } // namespace chamfer
