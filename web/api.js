@@ -3,7 +3,7 @@ import { keyHeaders } from './key.js';
 import { decodeTile } from './tiles.js';
 import { cameraText } from './viewstate.js';
 
-/** What went wrong, in words for the viewer. `status` 0: no answer at all. */
+/** What went wrong, in words for the viewer. `status` 0: no answer, or not all of it. */
 export class ServerError extends Error {
   constructor(message, { status = 0, retryAfter = null } = {}) {
     super(message);
@@ -13,7 +13,7 @@ export class ServerError extends Error {
     this.retryAfter = retryAfter;
   }
 
-  /** Worth trying again: busy, draining, or unreachable. */
+  /** Worth trying again: busy, draining, unreachable, or cut short. */
   get passing() {
     return [0, 429, 502, 503, 504].includes(this.status);
   }
@@ -36,6 +36,16 @@ async function request(url, options) {
   throw await problemOf(response);
 }
 
+/** What `read` makes of the body; one that ends early or is no such thing is worth asking for again. */
+async function bodyOf(response, read) {
+  try {
+    return await read(response);
+  } catch (cause) {
+    if (cause.name === 'AbortError') throw cause;
+    throw new ServerError('An answer of the server was cut short.');
+  }
+}
+
 async function problemOf(response) {
   let words = `The server answered ${response.status} ${response.statusText}`.trim();
   const text = await response.text().catch(() => '');
@@ -50,7 +60,8 @@ async function problemOf(response) {
   return new ServerError(words, { status: response.status, retryAfter });
 }
 
-const getJson = async (url, signal) => (await request(url, { signal })).json();
+const readJson = (response) => bodyOf(response, (whole) => whole.json());
+const getJson = async (url, signal) => readJson(await request(url, { signal }));
 
 /** Version, limits, formats. */
 export const fetchInfo = (signal) => getJson('v1/info', signal);
@@ -58,9 +69,9 @@ export const fetchInfo = (signal) => getJson('v1/info', signal);
 /** All scenes: [{name, id, triangles, rounded_edges, radius: {current, max}, state, error, ...}]. */
 export const fetchScenes = (signal) => getJson('v1/scenes', signal);
 
-/** One scene, its camera with the page's names: {..., camera: {eye, target, up, vfovDegrees, ...}}. */
-export async function fetchScene(id, signal) {
-  const scene = await getJson(`v1/scenes/${encodeURIComponent(id)}`, signal);
+/** One scene as it is now, its camera with the page's names: {..., camera: {eye, target, up, vfovDegrees, ...}}. */
+export async function fetchScene(name, signal) {
+  const scene = await getJson(`v1/scenes/${encodeURIComponent(name)}`, signal);
   const { eye, target, up, vfov_degrees, aperture_diameter, focus_distance } = scene.camera;
   const lens = { apertureDiameter: aperture_diameter, focusDistance: focus_distance };
   return { ...scene, camera: { eye, target, up, vfovDegrees: vfov_degrees, ...lens } };
@@ -83,7 +94,7 @@ export function tileUrl(view, frame, tile, [first, end]) {
 export async function fetchTile(url, signal) {
   const response = await request(url, { signal });
   const count = (name) => Number(response.headers.get(name)) || 0;
-  const tile = decodeTile(await response.arrayBuffer());
+  const tile = await bodyOf(response, async (whole) => decodeTile(await whole.arrayBuffer()));
   return { ...tile, rays: count('X-Chamfer-Rays'), rounded: count('X-Chamfer-Rounded') };
 }
 
@@ -97,5 +108,5 @@ export async function fetchHit(view, { origin, direction }, signal) {
     body: JSON.stringify(body),
     signal,
   });
-  return (await response.json()).hits[0] ?? null;
+  return (await readJson(response)).hits[0] ?? null;
 }

@@ -7,11 +7,14 @@ import { rememberKey } from './key.js';
 import { offerDownload, Panel } from './panel.js';
 import { RadiusScale } from './radius.js';
 import { Renderer } from './renderer.js';
+import { Retry } from './retry.js';
 import { decodeView, encodeView } from './viewstate.js';
+import { retryText } from './words.js';
 
 const SAMPLES = 256;
 const LARGEST_PICTURE = 1_100_000; // pixels; more would only make the first picture late
 const RELOAD_MS = 1000; // while scenes are loading, or the server is away
+const REFRESH_MS = 5000; // else
 const NO_SCENES = 'The server has no scenes: it found neither meshes with sidecars nor scene files.';
 const ROOM_MARGIN = 0.03;
 const DESIGNED_ASPECT = 4 / 3;
@@ -30,23 +33,53 @@ const state = {
   scale: null, // RadiusScale, null where nothing is rounded
   ownHash: '', // the address as this page wrote it
   inspection: new AbortController(),
+  picked: null, // name of the scene that is to be shown next, until it has come
+  picking: new AbortController(),
 };
 
 // ---- scenes
 
-async function loadScenes() {
+let refreshTimer = 0;
+let refreshes = 0;
+
+/** Asks for the list of scenes, now and from then on: what is new appears, what has changed is taken up. */
+async function refresh() {
+  clearTimeout(refreshTimer);
+  const turn = ++refreshes;
+  let scenes;
   try {
-    state.scenes = await fetchScenes();
+    scenes = await fetchScenes();
   } catch (error) {
-    sayProblem(error);
-    if (!error.needsKey) setTimeout(loadScenes, RELOAD_MS);
+    if (turn !== refreshes) return;
+    if (!state.scene || error.needsKey) sayProblem(error); // the picture says itself when the server is away
+    if (!error.needsKey) refreshTimer = setTimeout(refresh, RELOAD_MS);
     return;
   }
-  panel.listScenes(state.scenes);
-  if (state.scenes.some((scene) => scene.state === 'loading')) setTimeout(loadScenes, RELOAD_MS);
-  if (state.scene) return panel.showScene(state.scene);
-  panel.showProblem(state.scenes.length > 0 ? '' : NO_SCENES);
-  await followAddress();
+  if (turn !== refreshes) return; // a later answer has come
+  const loading = scenes.some((scene) => scene.state === 'loading');
+  if (!document.hidden) refreshTimer = setTimeout(refresh, loading ? RELOAD_MS : REFRESH_MS);
+  takeScenes(scenes);
+}
+
+function takeScenes(scenes) {
+  const shown = state.scene?.name;
+  const wasListed = state.scenes.some((scene) => scene.name === shown);
+  state.scenes = scenes;
+  panel.listScenes(scenes, state.picked ?? shown ?? '');
+  if (state.picked) return;
+  if (!state.scene) {
+    panel.showProblem(scenes.length > 0 ? '' : NO_SCENES);
+    followAddress();
+    return;
+  }
+  const now = scenes.find((scene) => scene.name === shown);
+  if (!now && wasListed) panel.showProblem(`“${shown}” is no longer on the server; the picture is the last of it.`);
+  // A scene whose files have changed has another id.
+  if (!now || !isReady(now) || now.id === state.scene.id) return;
+  showScene(now, () => {
+    const camera = state.camera === state.scene.camera ? null : state.camera;
+    return { camera, radius: state.radius };
+  });
 }
 
 const isReady = ({ state: word = 'ready' }) => word === 'ready';
@@ -55,11 +88,16 @@ const isReady = ({ state: word = 'ready' }) => word === 'ready';
 async function followAddress() {
   const wanted = decodeView(location.hash);
   const listed = state.scenes.find((scene) => scene.name === wanted.scene);
-  if (listed?.state === 'loading') return; // loadScenes() comes back to it
+  if (listed?.state === 'loading') return; // refresh() comes back to it
   const fault = wanted.scene === null ? '' : faultOf(listed, wanted.scene);
   const chosen = fault || !listed ? firstScene() : listed;
-  if (chosen) await showScene(chosen, chosen === listed ? wanted : { rounding: wanted.rounding });
-  if (fault) panel.showProblem(fault);
+  const before = state.rounding; // whoever chooses another meanwhile gets that
+  const view = () => ({
+    ...(chosen === listed ? wanted : {}),
+    rounding: state.rounding === before ? wanted.rounding : state.rounding,
+  });
+  const overtaken = chosen && !(await showScene(chosen, view));
+  if (fault && !overtaken) panel.showProblem(fault);
 }
 
 function faultOf(listed, name) {
@@ -73,13 +111,27 @@ function firstScene() {
   return ready.find((scene) => !scene.name.includes('/')) ?? ready[0];
 }
 
-async function showScene(listed, { camera = null, radius = null, rounding = state.rounding }) {
+/**
+ * Shows a scene once it has come, unless another was picked meanwhile; true: it is shown. `view()` is asked then, so that
+ * it knows what was done in the meantime: {camera, radius}, null for the scene's own, and rounding.
+ */
+async function showScene(listed, view) {
+  state.picking.abort();
+  const { signal } = (state.picking = new AbortController());
+  state.picked = listed.name;
   let scene;
   try {
-    scene = await fetchScene(listed.id);
+    scene = await insist(() => fetchScene(listed.name, signal), signal);
   } catch (error) {
-    return sayProblem(error);
+    if (signal.aborted) return false;
+    state.picked = null;
+    if (state.scene) panel.showScene(state.scene);
+    sayProblem(error);
+    return false;
   }
+  if (signal.aborted) return false;
+  state.picked = null;
+  const { camera = null, radius = null, rounding = state.rounding } = view();
   const { current, max } = scene.radius ?? {}; // null where nothing is rounded
   const room = scene.bounds && isInside(scene.camera, scene.bounds) ? scene.bounds : null;
   Object.assign(state, { scene, rounding, room, radius, camera: camera ?? scene.camera });
@@ -88,11 +140,12 @@ async function showScene(listed, { camera = null, radius = null, rounding = stat
   if (state.radius !== null) state.radius = Math.min(state.radius, state.scale.top);
   panel.showScene(scene);
   changed();
+  return true;
 }
 
 function pickScene(name) {
   const listed = state.scenes.find((scene) => scene.name === name);
-  if (listed) showScene(listed, {});
+  if (listed) showScene(listed, () => ({}));
 }
 
 // ---- the view
@@ -172,7 +225,8 @@ async function inspect(x, y) {
   const { signal } = (state.inspection = new AbortController());
   const { clientWidth: width, clientHeight: height } = canvas;
   try {
-    const hit = await fetchHit(view(), pixelRay(shownCamera(), width, height, x, y), signal);
+    const ray = pixelRay(shownCamera(), width, height, x, y);
+    const hit = await insist(() => fetchHit(view(), ray, signal), signal);
     if (!signal.aborted) panel.showPoint(hit, x, y);
   } catch (error) {
     if (error.name !== 'AbortError') sayProblem(error);
@@ -196,24 +250,25 @@ function askKey({ status }) {
   panel.askKey(status === 403 ? 'That key is not one of this server’s.' : 'It is kept for this tab only.', (key) => {
     rememberKey(key);
     if (state.scene) changed();
-    else loadScenes();
+    refresh();
   });
 }
 
-async function showStatus(status) {
+function showStatus(status) {
   panel.showStatus(status);
-  // A scene whose file has changed has another id: take the new one up.
-  if (status.phase === 'failed' && state.scene) {
-    const { name, id } = state.scene;
-    const scenes = await fetchScenes().catch((error) => {
-      if (error.needsKey) askKey(error);
-      return [];
-    });
-    const now = scenes.find((scene) => scene.name === name);
-    if (!now || now.id === id || state.scene.id !== id) return;
-    state.scenes = scenes;
-    await showScene(now, { camera: state.camera, radius: state.radius });
-  }
+  if (status.phase === 'failed') refresh(); // the scene may have another id by now
+}
+
+/** Asks until there is an answer, and says so while there is none. */
+async function insist(request, signal) {
+  let told = false;
+  const retry = new Retry((seconds, error) => {
+    told = true;
+    panel.showProblem(retryText(error, seconds));
+  });
+  const answer = await retry.run(request, signal);
+  if (told && !signal.aborted) panel.showProblem('');
+  return answer;
 }
 
 function fit() {
@@ -233,9 +288,13 @@ new ResizeObserver(() => {
 }).observe(canvas.parentElement);
 
 document.addEventListener('visibilitychange', () => {
-  if (!state.scene) return;
-  if (document.hidden) renderer.pause();
-  else renderer.resume();
+  if (document.hidden) {
+    renderer.pause();
+    clearTimeout(refreshTimer);
+  } else {
+    renderer.resume();
+    refresh();
+  }
 });
 
 listen(canvas, {
@@ -250,4 +309,4 @@ offerDownload(document.getElementById('download'), canvas, () => {
   return `${name}-${state.rounding}.png`;
 });
 fit();
-loadScenes();
+refresh();

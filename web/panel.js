@@ -9,6 +9,7 @@ export class Panel {
   constructor(handlers) {
     this.failure = '';
     this.notice = '';
+    this.list = '';
     this.roundings = [...document.querySelectorAll('input[name="rounding"]')];
     byId('scene').addEventListener('change', (event) => handlers.scene(event.target.value));
     for (const radio of this.roundings) radio.addEventListener('change', () => handlers.rounding(radio.value));
@@ -19,8 +20,14 @@ export class Panel {
     byId('reset-camera').addEventListener('click', handlers.resetCamera);
   }
 
-  /** Fills the picker, by folder; scenes that are not ready are listed, with the reason, but cannot be picked. */
-  listScenes(scenes) {
+  /**
+   * Fills the picker, by folder, and shows `selected`; scenes that are not ready are listed, with the reason, but cannot be
+   * picked. A list that is the same is left alone, since it may be open.
+   */
+  listScenes(scenes, selected) {
+    const list = JSON.stringify(scenes.map(({ name, state, error }) => [name, state, error?.detail]));
+    if (list === this.list) return;
+    this.list = list;
     const groups = new Map([['', document.createDocumentFragment()]]);
     for (const { name, state = 'ready', error } of scenes) {
       const [folder, title] = [name.slice(0, Math.max(0, name.lastIndexOf('/'))), name.slice(name.lastIndexOf('/') + 1)];
@@ -32,6 +39,7 @@ export class Panel {
     }
     byId('scene').replaceChildren(...groups.values());
     byId('scene').disabled = scenes.length === 0;
+    byId('scene').value = selected;
   }
 
   showScene(scene) {
@@ -87,6 +95,7 @@ export class Panel {
   /** Asks for a key until one is given that can be sent; `note` says why. Calls `onKey(key)`. */
   askKey(note, onKey) {
     const [dialog, input] = [byId('key-dialog'), byId('key')];
+    if (dialog.open) return; // somebody is at it
     byId('key-note').textContent = note;
     input.value = '';
     dialog.oncancel = (event) => event.preventDefault(); // without a key there is nothing to see
@@ -96,7 +105,7 @@ export class Panel {
       event.preventDefault();
       byId('key-note').textContent = 'A key is made of letters, digits and signs, without blanks.';
     };
-    if (!dialog.open) dialog.showModal();
+    dialog.showModal();
     input.focus();
   }
 

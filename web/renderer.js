@@ -5,6 +5,7 @@ import { fetchTile, ServerError, tileUrl } from './api.js';
 import { Film } from './film.js';
 import { Retry } from './retry.js';
 import { sampleRanges, tileGrid } from './tiles.js';
+import { retryText } from './words.js';
 
 const TILE_SIZE = 256;
 const REQUESTS_IN_FLIGHT = 3;
@@ -155,7 +156,7 @@ export class Renderer {
       const seconds = (performance.now() - started) / 1000;
       this.#report({ phase, message, ...progress, seconds });
     };
-    const retry = new Retry((seconds, error) => report('waiting', `${error.message} Trying again in ${seconds} s.`));
+    const retry = new Retry((seconds, error) => report('waiting', retryText(error, seconds)));
 
     report('rendering');
     const jobs = renderJobs(frame, this.total);

@@ -26,6 +26,9 @@ export function statusText({ phase, samples, total, seconds, rays, rounded, mess
   }
 }
 
+/** That something is asked for again after `error`. */
+export const retryText = (error, seconds) => `${error.message} Trying again in ${seconds} s.`;
+
 export function sceneFacts({ triangles, rounded_edges: roundedEdges }) {
   return `${count.format(triangles)} triangles, ${count.format(roundedEdges)} rounded edges`;
 }

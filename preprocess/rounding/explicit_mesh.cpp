@@ -176,6 +176,14 @@ private:
 ExplicitMesh explicitMesh(const RoundingView& view, const TriangleMesh& mesh, unsigned segments,
                           const std::function<bool()>& cancelled) {
   ExplicitMesh out;
+  // In one piece each: grown by doubling they would keep, and for a while need, far more than they hold. A
+  // closed surface has half as many vertices as triangles, and two.
+  const std::size_t triangles = ExplicitMeshSize(view).triangles(std::max(1u, segments));
+  out.triangles.reserve(triangles);
+  out.meshTriangle.reserve(triangles);
+  out.features.reserve(triangles);
+  out.positions.reserve(triangles / 2 + 2 * view.solidCount());
+  out.normals.reserve(triangles / 2 + 2 * view.solidCount());
   std::vector<std::uint32_t> triangleOfFacet(view.facets.size(), 0);
   for (std::size_t t = view.facetOfTriangle.size(); t-- > 0;)
     if (view.facetOfTriangle[t] != kNone) triangleOfFacet[view.facetOfTriangle[t]] = std::uint32_t(t);

@@ -136,7 +136,8 @@ int runServeCommand(const ServeCommandOptions& options) {
   limits.connections = options.connections;
   limits.workers = service.blockingRequests() + kQuickWorkers;
   HttpServer server(
-      limits, [&](Request& request, const Problem* refusal) { return service.answer(request, refusal); });
+      limits, [&](Request& request, const Problem* refusal) { return service.answer(request, refusal); },
+      [&](Request& request) { return service.screen(request); });
   service.observeConnections([&server] { return server.counts(); });
 
   const int port = server.start(options.host, options.port);

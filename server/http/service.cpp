@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <random>
+#include <system_error>
 
 namespace chamfer::http {
 namespace {
@@ -71,6 +72,18 @@ Response plainText(std::string text) {
   return response;
 }
 
+/// What a key was asked for is for its holder: no cache that others share may keep it, and the holder's own
+/// one is to ask again with another key.
+void keepFromOthers(Response& response) {
+  for (auto& [name, value] : response.headers) {
+    if (name != "Cache-Control" || value == "no-store") continue;
+    constexpr std::string_view kPublic = "public, ";
+    if (value.starts_with(kPublic)) value.erase(0, kPublic.size());
+    value = "private, " + value;
+  }
+  response.headers.emplace_back("Vary", "Authorization, X-Api-Key");
+}
+
 Problem cancelledProblem(const Request& request) {
   if (*request.cancelled.clientGone) {
     Problem problem;
@@ -131,6 +144,11 @@ Response Service::answer(Request& request, const Problem* refusal) {
                                                              : problemOf(error, catalogue_.root().string()));
   } catch (const std::bad_alloc&) {
     response = problemResponse(busy("the server is short of memory", 10, Scarcity::Memory));
+  } catch (const std::system_error& error) {
+    logMessage(LogLevel::Error, "request " + request.id + ": " + error.what());
+    response = problemResponse(error.code() == std::errc::resource_unavailable_try_again // a thread's start
+                                   ? busy("the server is short of threads", 10, Scarcity::Memory)
+                                   : problemOf(Error(ErrorKind::Internal, ""), ""));
   } catch (const std::exception& error) { // a library's text stays in the log
     logMessage(LogLevel::Error, "request " + request.id + ": " + error.what());
     response = problemResponse(problemOf(Error(ErrorKind::Internal, ""), ""));
@@ -148,7 +166,18 @@ Response Service::answer(Request& request, const Problem* refusal) {
   return response;
 }
 
-Response Service::route(const Request& request, const RouteRow*& row) {
+std::optional<Problem> Service::screen(Request& request) const {
+  if (options_.behindProxy) request.client = forwardedClient(request);
+  try {
+    const RouteRow* row = nullptr;
+    admit(request, row);
+    return std::nullopt;
+  } catch (const ProblemError& error) {
+    return error.problem();
+  }
+}
+
+Service::Target Service::admit(const Request& request, const RouteRow*& row) const {
   row = fixedRoute(request.path);
   // Health is asked for by whatever name the balancer has for this server.
   if (!row || !row->anyHost) {
@@ -156,17 +185,26 @@ Response Service::route(const Request& request, const RouteRow*& row) {
     checkSite(request);
   }
   if (!row || row->needsKey) checkKey(request);
-  if (row) {
-    allow(request, *row);
-    return request.method == "OPTIONS" ? optionsOf(*row) : answerRoute(*row, request);
+  Target target{row, {}, {}};
+  if (!row) {
+    target.segments = splitPath(request.path);
+    target.match = sceneRouteOf(target.segments,
+                                [this](const std::string& name) { return catalogue_.find(name) != nullptr; });
+    row = target.row = target.match.row;
+    if (!row)
+      throw ProblemError(notFound("there is nothing under this path; GET /v1/info and /v1/scenes are"));
   }
-  const auto segments = splitPath(request.path);
-  const SceneMatch match =
-      sceneRouteOf(segments, [this](const std::string& name) { return catalogue_.find(name) != nullptr; });
-  row = match.row;
-  if (!row) throw ProblemError(notFound("there is nothing under this path; GET /v1/info and /v1/scenes are"));
   allow(request, *row);
-  return request.method == "OPTIONS" ? optionsOf(*row) : answerScene(match, request);
+  return target;
+}
+
+Response Service::route(const Request& request, const RouteRow*& row) {
+  const Target target = admit(request, row);
+  if (request.method == "OPTIONS") return optionsOf(*row);
+  if (row->headers.find("ETag") == std::string_view::npos) checkUntagged(request);
+  Response response = row->hasScene() ? answerScene(target.match, request) : answerRoute(*row, request);
+  if (row->needsKey && !options_.keys.empty()) keepFromOthers(response);
+  return response;
 }
 
 Response Service::answerRoute(const RouteRow& row, const Request& request) {
@@ -260,10 +298,18 @@ void Service::checkHost(const Request& request) const {
 }
 
 /// Browsers tell when a page of another site asks (Fetch Metadata, W3C). It could not read the answer, but it
-/// could have this server render. Links from there are followed.
+/// could have this server render. Links from there are followed when a person does: into a tab of their own,
+/// not into a frame of that page, nor ahead of time.
 void Service::checkSite(const Request& request) const {
-  const std::string *site = request.header("sec-fetch-site"), *mode = request.header("sec-fetch-mode");
-  if (!site || *site != "cross-site" || (mode && *mode == "navigate")) return;
+  const auto says = [&](const char* field, std::string_view word) {
+    const std::string* value = request.header(field);
+    return value && *value == word;
+  };
+  if (!says("sec-fetch-site", "cross-site")) return;
+  const bool link = says("sec-fetch-mode", "navigate") && says("sec-fetch-dest", "document") &&
+                    (request.method == "GET" || request.method == "HEAD") && !request.header("sec-purpose") &&
+                    !request.header("purpose");
+  if (link) return;
   Problem problem;
   problem.status = 403;
   problem.kind = "cross-site";

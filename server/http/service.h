@@ -9,6 +9,8 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
+#include <vector>
 
 namespace chamfer::http {
 
@@ -18,6 +20,9 @@ public:
 
   /// As RequestHandler in http_server.h. Any thread; does not throw.
   Response answer(Request& request, const Problem* refusal = nullptr);
+  /// As RequestScreen in http_server.h: what answer() would refuse whatever the body is, for its host, its
+  /// site, its key, its path or its method.
+  std::optional<Problem> screen(Request& request) const;
 
   /// How connections stand, for the metrics; without one, there are none. Before the first request.
   void observeConnections(std::function<ConnectionCounts()> counts) { connections_ = std::move(counts); }
@@ -32,7 +37,15 @@ public:
   unsigned blockingRequests() const { return options_.slots + options_.waiting; }
 
 private:
-  /// `row`: the request's, as soon as it is known.
+  /// Where a request goes.
+  struct Target {
+    const RouteRow* row;
+    std::vector<std::string_view> segments; ///< of the request's path
+    SceneMatch match;                       ///< of a row with a scene; its rest lies in `segments`
+  };
+  /// Throws ProblemError for who may not ask, and for what is not there to be asked for. `row`: the
+  /// request's, as soon as it is known.
+  Target admit(const Request& request, const RouteRow*& row) const;
   Response route(const Request& request, const RouteRow*& row);
   Response answerRoute(const RouteRow& row, const Request& request);
   Response answerScene(const SceneMatch& match, const Request& request);

@@ -1,14 +1,15 @@
 // The page in a real browser, on the real server:
 //   node tests/browser/page.test.mjs --chamferd PATH --chamferprep PATH --data FOLDER
 import assert from 'node:assert/strict';
-import { readFileSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { parseArgs } from 'node:util';
 
 import { openBrowser, watchConsole } from './browser.mjs';
+import { startFlakyProxy } from './flaky_proxy.mjs';
 import { blockMeans, changedShare, contrast, waitForSamples } from './picture.mjs';
-import { makeRoot, startServer } from '../support/server.mjs';
+import { makeRoot, roundMesh, startServer } from '../support/server.mjs';
 
 const { values: paths } = parseArgs({
   options: { chamferd: { type: 'string' }, chamferprep: { type: 'string' }, data: { type: 'string' } },
@@ -273,6 +274,119 @@ test('the page says that the server is away, and goes on when it is back', async
   // The browser itself reports connections that were refused, and the 503 of a draining server; no more may be wrong.
   const expected = /ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE|status of 503/;
   const others = faults.filter((fault) => !expected.test(fault));
+  faults.length = 0;
+  assert.deepEqual(others, []);
+});
+
+/** Opens the page through a proxy that does `fault` to answers, and lets `steps` go on from there. */
+async function throughFlakyProxy(hash, fault, steps) {
+  const proxy = await startFlakyProxy(server.port, fault);
+  try {
+    await page.goto(`${proxy.url}/${hash}`);
+    await steps();
+  } finally {
+    await page.goto('about:blank');
+    await proxy.stop();
+  }
+  // The browser itself reports what was cut short; no more may be wrong.
+  const expected = /ERR_CONTENT_LENGTH_MISMATCH|ERR_INCOMPLETE_CHUNKED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_(RESET|CLOSED)/;
+  const others = faults.filter((text) => !expected.test(text));
+  faults.length = 0;
+  assert.deepEqual(others, []);
+}
+
+const saysInStatus = (text) =>
+  page.waitForFunction((part) => document.getElementById('status').textContent.includes(part), text);
+const saysInProblem = (text) =>
+  page.waitForFunction((part) => document.getElementById('problem').textContent.includes(part), text);
+
+test('an answer cut short is told and asked for again, whatever it is', async () => {
+  const cuts = { '/v1/scenes': 1, '/v1/scenes/solids%2Fcube': 1, '/tiles/': 1, '/rays': 1 };
+  const seen = [];
+  const fault = (path) => {
+    const kind = Object.keys(cuts).find((part) => (part.endsWith('/') || part === '/rays' ? path.includes(part) : path === part));
+    if (!kind || cuts[kind]-- <= 0) return undefined;
+    seen.push(kind);
+    return 'cut';
+  };
+  await throughFlakyProxy('#scene=solids/cube&camera=0,-4,0,0,0,0,0,0,1,30', fault, async () => {
+    await saysInProblem('cut short');
+    await saysInStatus('cut short. Trying again');
+    await waitForSamples(page, SAMPLES);
+    assert.ok(await page.locator('#problem').isHidden());
+    const { x, y } = await middleOfPicture();
+    await page.mouse.click(x, y);
+    await saysInProblem('cut short. Trying again');
+    await page.locator('#point').waitFor();
+    assert.ok(await page.locator('#problem').isHidden());
+  });
+  assert.deepEqual(seen.sort(), Object.keys(cuts).sort());
+});
+
+test('a slow answer does not override a later pick', async () => {
+  const slow = /^\/v1\/scenes\/solids%2Fdodecahedron$/;
+  let held = 0;
+  const fault = (path) => (slow.test(path) ? (++held, 2500) : undefined);
+  await throughFlakyProxy('#scene=solids/cube', fault, async () => {
+    await waitForSamples(page, 1);
+    await page.locator('#scene').selectOption('solids/dodecahedron');
+    await page.waitForTimeout(200);
+    await page.locator('#scene').selectOption('solids/octahedron');
+    await page.waitForFunction(() => document.title.startsWith('solids/octahedron'));
+    await page.waitForTimeout(3000);
+    assert.match(await page.title(), /^solids\/octahedron/);
+    assert.equal(await page.locator('#scene').inputValue(), 'solids/octahedron');
+
+    // A rounding chosen while a scene is on its way stays chosen, and the list keeps what was picked.
+    await page.locator('#scene').selectOption('solids/dodecahedron');
+    await page.locator('input[value="none"]').check({ force: true });
+    assert.equal(await page.locator('#scene').inputValue(), 'solids/dodecahedron');
+    await page.waitForFunction(() => document.title.startsWith('solids/dodecahedron'));
+    assert.ok(await page.locator('input[value="none"]').isChecked());
+    await addressAfter('rounding=none');
+  });
+  assert.equal(held, 2);
+});
+
+test('scenes come and go without reloading the page', async () => {
+  await open('#scene=solids/cube');
+  const options = () => page.locator('#scene option').evaluateAll((list) => list.map(({ value }) => value));
+  const files = ['obj', 'obj.chamfer'].map((extension) => [
+    join(root.root, `solids/cube.${extension}`),
+    join(root.root, `new/late.${extension}`),
+  ]);
+  assert.ok(!(await options()).includes('new/late'));
+  mkdirSync(join(root.root, 'new'));
+  for (const [from, to] of files) copyFileSync(from, to);
+  await page.waitForFunction(() =>
+    [...document.querySelectorAll('#scene option')].some(({ value, disabled }) => value === 'new/late' && !disabled),
+  );
+  assert.equal(await page.locator('#scene').inputValue(), 'solids/cube');
+  await page.locator('#scene').selectOption('new/late');
+  await page.waitForFunction(() => document.title.startsWith('new/late'));
+  await waitForSamples(page, 1);
+  rmSync(join(root.root, 'new'), { recursive: true });
+  await saysInProblem('no longer on the server');
+  assert.ok(!(await options()).includes('new/late'));
+});
+
+test('a scene whose file has changed is taken up, with the view', async () => {
+  await open('#scene=solids/octahedron&camera=0,-4,1,0,0,0,0,0,1,30');
+  const file = join(root.root, 'solids/octahedron.obj.chamfer');
+  const before = readFileSync(file);
+  const [own, picture] = [await page.locator('#radius-text').textContent(), await blockMeans(page)];
+  try {
+    roundMesh(paths.chamferprep, join(root.root, 'solids/octahedron.obj'), '0.3');
+    await page.waitForFunction((text) => document.getElementById('radius-text').textContent !== text, own);
+    assert.equal(await page.locator('#radius-text').textContent(), '0.3');
+    await waitForSamples(page, SAMPLES);
+    assert.ok(changedShare(picture, await blockMeans(page)) > 0.005);
+    await addressAfter('camera=0,-4,1,');
+  } finally {
+    writeFileSync(file, before);
+  }
+  // The browser itself reports tiles that were asked for under the old id.
+  const others = faults.filter((fault) => !/status of 404/.test(fault));
   faults.length = 0;
   assert.deepEqual(others, []);
 });

@@ -1,8 +1,10 @@
 #include "server/http/catalogue/catalogue.h"
 
 #include "server/http/monitoring/log.h"
+#include "tests/http/failing_calls.h"
 #include "tests/http/scene_folder.h"
 
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
@@ -81,6 +83,98 @@ TEST(CatalogueScan, LinksDoNotLeadOut) {
   const ScanResult scan = scanRoot(folder.path());
   EXPECT_THAT(namesOf(scan), ElementsAre("inner", "real"));
   EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("half.obj.chamfer"), HasSubstr("link.obj")));
+}
+
+TEST(CatalogueScan, FolderThatVanishesMeanwhileTakesNothingElseWithIt) {
+  const SceneFolder folder;
+  for (const char* name : {"a", "deep/b", "deep/er/c", "gone/d", "z/e"})
+    folder.write(name + std::string(".scene.json"), "{}");
+  {
+    const test::FailingFolder gone("/gone", ENOENT);
+    const ScanResult scan = scanRoot(folder.path());
+    EXPECT_THAT(namesOf(scan), ElementsAre("a", "deep/b", "deep/er/c", "z/e"));
+    EXPECT_THAT(scan.unread, testing::IsEmpty());
+  }
+  // Any other fault says nothing of what is in it.
+  for (const int error : {EIO, EMFILE, ENFILE, ENOMEM, EACCES, ESTALE}) {
+    const test::FailingFolder failing("/deep", error);
+    const ScanResult scan = scanRoot(folder.path());
+    EXPECT_THAT(namesOf(scan), ElementsAre("a", "gone/d", "z/e")) << error;
+    EXPECT_THAT(scan.unread, ElementsAre("deep"));
+    EXPECT_TRUE(scan.mayHold("deep/b.scene.json"));
+    EXPECT_TRUE(scan.mayHold("deep/er/c.scene.json"));
+    EXPECT_FALSE(scan.mayHold("deeper.scene.json"));
+    EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("deep cannot be read")));
+  }
+  const test::FailingFolder root(folder.path().filename().string(), EIO);
+  EXPECT_THROW(scanRoot(folder.path()), Error);
+}
+
+TEST(Catalogue, FolderThatCannotBeReadNowKeepsItsScenes) {
+  const SceneFolder folder;
+  folder.addCube("a.obj", 0.1);
+  folder.addCube("deep/b.obj", 0.2);
+  folder.addCube("z/c.obj", 0.3);
+  const auto catalogue = loaded(folder, 20);
+  const std::string id = catalogue->find("deep/b")->scene->id.hex();
+  const auto passes = [&](const char* name) { // a scan has been made since this was put there
+    folder.addCube(name);
+    waitUntil([&] {
+      const auto entry = catalogue->find(fs::path(name).stem());
+      return entry && entry->state == SceneState::Ready;
+    });
+  };
+  {
+    const test::FailingFolder failing("/deep", EIO);
+    passes("one.obj");
+    EXPECT_THAT(catalogue->warnings(), ElementsAre(HasSubstr("deep cannot be read")));
+    for (const char* name : {"a", "deep/b", "z/c"}) {
+      ASSERT_TRUE(catalogue->find(name)) << name;
+      EXPECT_EQ(catalogue->find(name)->state, SceneState::Ready) << name;
+    }
+    EXPECT_EQ(catalogue->find(id), catalogue->find("deep/b"));
+  }
+  {
+    const test::FailingFolder root(folder.path().filename().string(), ESTALE);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_EQ(catalogue->list().size(), 4u);
+  }
+  passes("two.obj");
+  EXPECT_THAT(catalogue->warnings(), testing::IsEmpty());
+  {
+    const test::FailingFolder gone("/deep", ENOENT);
+    passes("three.obj");
+    EXPECT_FALSE(catalogue->find("deep/b"));
+    EXPECT_FALSE(catalogue->find(id));
+  }
+  EXPECT_TRUE(catalogue->find("z/c"));
+}
+
+TEST(Catalogue, IdLivesAsLongAsAnyNameHasItsContent) {
+  const SceneFolder folder;
+  for (const char* name : {"a.obj", "b.obj", "c/d.obj"})
+    folder.addCube(name);
+  const auto catalogue = loaded(folder, 20);
+  const std::string id = catalogue->find("a")->scene->id.hex();
+  ASSERT_EQ(catalogue->find("b")->scene->id.hex(), id);
+  ASSERT_EQ(catalogue->find("c/d")->scene->id.hex(), id);
+  ASSERT_TRUE(catalogue->find(id));
+  // One goes, one becomes another scene, and back; the last takes the id along.
+  fs::remove(folder.path() / "a.obj.chamfer");
+  waitUntil([&] { return !catalogue->find("a"); });
+  ASSERT_TRUE(catalogue->find(id));
+  EXPECT_EQ(catalogue->find(id)->scene->id.hex(), id);
+  folder.round("c/d.obj", 0.2);
+  waitUntil([&] { return catalogue->find("c/d")->scene->id.hex() != id; });
+  EXPECT_EQ(catalogue->find(id), catalogue->find("b"));
+  folder.round("c/d.obj", 0.1);
+  waitUntil([&] { return catalogue->find("c/d")->scene->id.hex() == id; });
+  folder.round("b.obj", 0.3);
+  waitUntil([&] { return catalogue->find("b")->scene->id.hex() != id; });
+  EXPECT_EQ(catalogue->find(id), catalogue->find("c/d"));
+  fs::remove(folder.path() / "c/d.obj");
+  waitUntil([&] { return !catalogue->find("c/d"); });
+  EXPECT_FALSE(catalogue->find(id));
 }
 
 TEST(Catalogue, RootMustBeAFolder) {

@@ -11,16 +11,22 @@
 // - chunked bodies: Server.RefusesHostileFramingAndLives (411)
 // - huge, endless and trickled heads: Hardening.EndlessHeadsAndTrickledOnesEnd
 // - slow and idle connections: Server.IdleAndSlowClientsAreDroppedInTime, .SlowAndIdleClientsStarveNobody
+// - bodies that are promised and not sent, or sent slowly: Bodies
+// - descriptors or memory that run out: Faults
 // - clients that read nothing: Server.ClientThatReadsNothingIsDropped, .UnreadAnswersHaveABound
 // - floods of pipelined requests: Hardening.PipelinedFloodIsAnsweredInOrder
 // - other protocols on the port: Hardening.OtherProtocolsAreTurnedAway
 // - paths with .., %2e, %5c, NUL; links: Hardening.NoPathLeadsOut, .LinksOfASceneDoNotLeadOut
 // - DNS rebinding: Routes.OtherHostsAreNotAnswered, Hardening.HostsAndKeysHold
 // - work asked for by pages of other sites: Routes.PagesOfOtherSitesCannotMakeItWork
+// - caches that give one client what another's key was asked for:
+// Routes.WhatAKeyIsAskedForIsNotForSharedCaches
 // - guessed keys: Hardening.HostsAndKeysHold (sameSecret in service.cpp looks at every byte)
 // - listening beyond loopback without a key: Chamferd.RefusesToStartWithAReason
-// - too much work in one request: TileRequest.LimitsTheWorkOfOneRequest, tests/browser/openapi.test.mjs
-// - too much memory: Hardening.RoundingsBeyondTheLimitAreRefusedBeforeTheyAreBuilt,
+// - too much work in one request: TileRequest.LimitsTheWorkOfOneRequest,
+// Images.WhatTheDeadlineCannotServeIsRefusedSoonWithWhatFits,
+//   tests/browser/openapi.test.mjs
+// - too much memory: Hardening.RoundingsBeyondTheLimitAreRefusedBeforeTheyAreBuilt, PreparedCacheTest,
 //   Reload.ScenesBeyondTheMemoryAreRefusedWithTheNumbers
 // - coordinates that end Embree: Rays.LargestNumbersDoNoHarm, FarRays
 // - forged log lines: Log.ValuesCannotForgeALine
@@ -57,14 +63,43 @@ TEST_F(Hardening, RepeatedFieldsAreNotShadowed) {
 }
 
 TEST_F(Hardening, FieldsDoNotNameTheClient) {
-  start({.threads = 1, .slots = 1, .waiting = 1});
   // The library puts the peer's address into fields of these names, where a client's own would come first.
-  const Reply reply = test::get(port_, "/v1/info",
-                                "REMOTE_ADDR: 192.0.2.9\r\nREMOTE_PORT: 1\r\nLOCAL_ADDR: 192.0.2.9\r\n"
-                                "X-Forwarded-For: 192.0.2.9\r\nForwarded: for=192.0.2.9\r\n");
-  EXPECT_EQ(reply.status, 200);
-  EXPECT_THAT(reply.body, Not(HasSubstr("192.0.2.9")));
-  expectServing();
+  const std::string fields = "REMOTE_ADDR: 192.0.2.9\r\nREMOTE_PORT: 1\r\nLOCAL_ADDR: 192.0.2.9\r\n"
+                             "X-Forwarded-For: 192.0.2.9\r\nX-Real-IP: 192.0.2.9\r\n"
+                             "Forwarded: for=192.0.2.9\r\n";
+  const std::string body = R"({"rays":[]})";
+  for (const bool behindProxy : {false, true}) {
+    serve({.behindProxy = behindProxy});
+    // Whom the service answered, and whom the body was read from.
+    std::vector<std::string> clients;
+    std::mutex mutex;
+    const auto note = [&](const Request& request) {
+      const std::lock_guard lock(mutex);
+      clients.push_back(request.client);
+    };
+    HttpServer server(
+        {},
+        [&](Request& request, const Problem* refusal) {
+          Response response = service_->answer(request, refusal);
+          note(request);
+          return response;
+        },
+        [&](Request& request) {
+          auto problem = service_->screen(request);
+          note(request);
+          return problem;
+        });
+    const int port = server.start("127.0.0.1", 0);
+    EXPECT_EQ(test::get(port, "/v1/info", fields).status, 200);
+    EXPECT_EQ(
+        test::raw(port, requestText("POST", rays(), fields + "Content-Type: application/json\r\n", body))
+            .status,
+        200);
+    server.stop(std::chrono::seconds(5));
+    // The one field that a trusted proxy fills, where there is one; this shows that the others would be seen.
+    const std::string client = behindProxy ? "192.0.2.9" : "127.0.0.1";
+    EXPECT_THAT(clients, testing::ElementsAre(client, client, client));
+  }
 }
 
 TEST_F(Hardening, SmuggledRequestsAreNotSeen) {
@@ -312,11 +347,18 @@ TEST_F(Hardening, RoundingsBeyondTheLimitAreRefusedBeforeTheyAreBuilt) {
       test::get(port_, "/v1/scenes/" + idOf("row") + "/tiles/8x8/0,0,8,8/0-1.f16?rounding=mesh:256");
   EXPECT_EQ(reply.status, 422);
   EXPECT_THAT(reply.body, HasSubstr("triangles"));
-  EXPECT_EQ(nlohmann::json::parse(reply.body)["parameter"], "rounding");
+  const auto problem = nlohmann::json::parse(reply.body);
+  EXPECT_EQ(problem["parameter"], "rounding");
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
-  EXPECT_EQ(
-      test::get(port_, "/v1/scenes/" + idOf("row") + "/tiles/8x8/0,0,8,8/0-1.f16?rounding=mesh:4").status,
-      200);
+  const unsigned most = problem["limits"]["maximum"];
+  EXPECT_THAT(problem["detail"].get<std::string>(), HasSubstr("mesh:" + std::to_string(most)));
+  const auto meshOf = [&](unsigned segments) {
+    return test::get(port_, "/v1/scenes/" + idOf("row") +
+                                "/tiles/8x8/0,0,8,8/0-1.f16?rounding=mesh:" + std::to_string(segments))
+        .status;
+  };
+  EXPECT_EQ(meshOf(4), 200);
+  EXPECT_EQ(meshOf(most + 1), 422);
   expectServing();
 }
 

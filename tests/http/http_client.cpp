@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <stdexcept>
 #include <sys/socket.h>
+#include <thread>
 #include <unistd.h>
 
 namespace chamfer::test {
@@ -18,9 +19,12 @@ std::string lower(std::string text) {
 
 } // namespace
 
-Connection::Connection(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+Connection::Connection(int port, const char* local)
+    : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
+  if (local && ::inet_pton(AF_INET, local, &address.sin_addr) == 1)
+    ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address);
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (socket_ < 0 || ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
@@ -47,7 +51,22 @@ bool Connection::fill(std::chrono::milliseconds patience) {
   const ssize_t n = ::recv(socket_, bytes, sizeof bytes, 0);
   if (n <= 0) return false;
   buffer_.append(bytes, static_cast<std::size_t>(n));
+  if (bytesPerSecond_ > 0)
+    std::this_thread::sleep_for(
+        std::chrono::microseconds(1'000'000 * n / static_cast<ssize_t>(bytesPerSecond_)));
   return true;
+}
+
+std::optional<Reply> Connection::receiveSlowly(std::size_t bytesPerSecond) {
+  bytesPerSecond_ = bytesPerSecond;
+  auto reply = receive();
+  bytesPerSecond_ = 0;
+  return reply;
+}
+
+bool Connection::readable(std::chrono::milliseconds patience) const {
+  pollfd waiting{socket_, POLLIN, 0};
+  return ::poll(&waiting, 1, static_cast<int>(patience.count())) > 0;
 }
 
 std::optional<Reply> Connection::receive(bool head, std::chrono::milliseconds patience) {

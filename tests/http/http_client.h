@@ -19,10 +19,11 @@ struct Reply {
   }
 };
 
-/// One connection to 127.0.0.1. Throws std::runtime_error when it cannot be made.
+/// One connection to 127.0.0.1, from `local`, another loopback address, where one is given. Throws
+/// std::runtime_error when it cannot be made.
 class Connection {
 public:
-  explicit Connection(int port);
+  explicit Connection(int port, const char* local = nullptr);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -32,6 +33,10 @@ public:
   /// The next answer; nothing when the server closes or is silent for `patience`. `head`: it has no body.
   std::optional<Reply> receive(bool head = false,
                                std::chrono::milliseconds patience = std::chrono::seconds(30));
+  /// The same, taking at most `bytesPerSecond` off the line.
+  std::optional<Reply> receiveSlowly(std::size_t bytesPerSecond);
+  /// Is there something to receive within `patience`? Takes none of it.
+  bool readable(std::chrono::milliseconds patience) const;
   /// Has the server closed, or does it within `patience`?
   bool closedWithin(std::chrono::milliseconds patience);
   /// Sends a reset instead of a farewell.
@@ -41,6 +46,7 @@ public:
 private:
   bool fill(std::chrono::milliseconds patience);
   int socket_ = -1;
+  std::size_t bytesPerSecond_ = 0; ///< 0: as they come
   std::string buffer_;
 };
 

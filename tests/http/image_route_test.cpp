@@ -171,5 +171,26 @@ TEST_F(Images, BeyondTheQueueIs503AndHealthAnswers) {
   EXPECT_EQ(get(tiles() + "16x16/0,0,16,16/0-1.f16").status, 200);
 }
 
+TEST_F(Images, WhatTheDeadlineCannotServeIsRefusedSoonWithWhatFits) {
+  ServiceOptions options{.threads = 1, .slots = 1};
+  options.deadline = std::chrono::seconds(4);
+  serve(options);
+  // Some hours of work, in many pixels or in many samples of a few.
+  for (const char* resource : {"frames/4096x4096/0-128.exr", "tiles/64x64/0,0,64,64/0-500000.f16"}) {
+    const auto begin = std::chrono::steady_clock::now();
+    const Response response = get("/v1/scenes/" + idOf("cube") + '/' + resource);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2)) << resource;
+    ASSERT_EQ(response.status, 422) << resource << ' ' << response.body;
+    const auto problem = json(response);
+    EXPECT_EQ(problem["parameter"], "samples");
+    const auto asked = std::stoull(problem["value"].get<std::string>());
+    const std::uint64_t most = problem["limits"]["maximum"];
+    EXPECT_GT(most, 1000u);
+    EXPECT_LT(most, asked / 4);
+    EXPECT_EQ(json(get("/v1/info"))["queue"]["running"], 0) << "its slot is free";
+  }
+  EXPECT_EQ(get(tiles() + "64x64/0,0,64,64/0-4.f16").status, 200);
+}
+
 } // namespace
 } // namespace chamfer::http

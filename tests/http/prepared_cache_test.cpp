@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "preprocess/rounding/explicit_mesh.h"
+#include "server/http/routes/problem.h"
 #include "tests/http/scene_folder.h"
 
 #include <gtest/gtest.h>
@@ -67,6 +68,75 @@ TEST_F(PreparedCacheTest, OneThatIsTooLargeIsStillServed) {
   EXPECT_EQ(cache.state().entries, 1u);
 }
 
+TEST_F(PreparedCacheTest, WhatIsInUseStaysAndCounts) {
+  const std::size_t one = memoryBytes(*prepare(scene_, radius(0.1), 1));
+  PreparedCache cache(one * 5 / 2, 1);
+  const auto used = cache.get(scene_, radius(0.1), kNever);
+  for (int i = 2; i < 6; ++i)
+    cache.get(scene_, radius(0.05 * i + 0.05), kNever);
+  EXPECT_LE(cache.state().bytes, cache.state().limit);
+  EXPECT_EQ(cache.state().entries, 2u);
+  const std::size_t builds = cache.state().builds;
+  EXPECT_EQ(cache.get(scene_, radius(0.1), kNever), used);
+  EXPECT_EQ(cache.state().builds, builds) << "dropping it would have freed nothing";
+}
+
+TEST_F(PreparedCacheTest, ExplicitMeshTakesNoMoreThanIsForetold) {
+  folder_.write("row.obj", test::rowObj(8));
+  folder_.round("row.obj", 0.1);
+  const auto row = loadScene(folder_.path() / "row.obj", folder_.path(), "row");
+  for (const unsigned segments : {1u, 16u, 48u}) {
+    std::uint64_t foretold = 0;
+    const MeshBudget budget{UINT64_MAX, [&](std::uint64_t bytes) { foretold = bytes; }};
+    const auto fine = prepare(row, {RoundingMode::Mesh, segments, {}}, 1, kNever, budget);
+    const auto sharp = prepare(row, {RoundingMode::None, 0, {}}, 1);
+    // Beside what the scene takes without it; the hierarchy of few triangles has a share of its own.
+    const double taken = double(memoryBytes(*fine)) - double(memoryBytes(*sharp));
+    EXPECT_LE(taken, double(foretold) + 20'000) << segments;
+    EXPECT_GE(taken, 0.5 * double(foretold)) << segments;
+  }
+}
+
+TEST_F(PreparedCacheTest, ExplicitMeshBeyondTheBoundNamesTheLargestThatFits) {
+  constexpr std::size_t kLimit = 8u << 20;
+  PreparedCache cache(kLimit, 1);
+  double most = 0;
+  try {
+    cache.get(scene_, {RoundingMode::Mesh, 256, {}}, kNever);
+    ADD_FAILURE() << "built";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::OutOfRange);
+    for (const auto& [key, value] : error.details())
+      if (key == "largest_segments") most = value;
+    EXPECT_NE(std::string(error.what()).find("use mesh:" + std::to_string(int(most))), std::string::npos);
+  }
+  ASSERT_GT(most, 10);
+  EXPECT_EQ(cache.state().entries, 0u);
+  EXPECT_EQ(cache.state().bytes, 0u);
+  EXPECT_NE(cache.get(scene_, {RoundingMode::Mesh, unsigned(most), {}}, kNever), nullptr);
+  EXPECT_GT(cache.state().bytes, kLimit / 2) << "the mesh and its hierarchy count";
+  EXPECT_LE(cache.state().bytes, kLimit);
+  EXPECT_THROW(cache.get(scene_, {RoundingMode::Mesh, unsigned(most) + 1, {}}, kNever), Error);
+}
+
+TEST_F(PreparedCacheTest, ExplicitMeshesInUseLeaveNoRoomForMore) {
+  PreparedCache cache(8u << 20, 1);
+  const RoundingChoice first{RoundingMode::Mesh, 64, {}}, second{RoundingMode::Mesh, 70, {}};
+  auto used = cache.get(scene_, first, kNever);
+  try {
+    cache.get(scene_, second, kNever);
+    ADD_FAILURE() << "built";
+  } catch (const ProblemError& error) {
+    EXPECT_EQ(error.problem().status, 503);
+    EXPECT_GT(error.problem().retryAfterSeconds, 0);
+  }
+  EXPECT_EQ(cache.state().entries, 1u);
+  EXPECT_LE(cache.state().bytes, cache.state().limit);
+  used.reset();
+  EXPECT_NE(cache.get(scene_, second, kNever), nullptr) << "the first is let go";
+  EXPECT_EQ(cache.state().entries, 1u);
+}
+
 TEST_F(PreparedCacheTest, FailureIsNotKept) {
   PreparedCache cache(1u << 30, 1);
   EXPECT_THROW(cache.get(scene_, radius(0.6), kNever), Error); // the inradius is 0.5
@@ -80,7 +150,7 @@ TEST_F(PreparedCacheTest, BuildEndsSoonAfterItsClientHasGone) {
   folder_.write("row.obj", test::rowObj(24)); // 12.6 million triangles: many seconds
   folder_.round("row.obj", 0.1);
   const auto row = loadScene(folder_.path() / "row.obj", folder_.path(), "row");
-  PreparedCache cache(1u << 30, 1);
+  PreparedCache cache(std::size_t{4} << 30, 1);
   const auto begin = std::chrono::steady_clock::now();
   const auto leaves = [&] {
     return std::chrono::steady_clock::now() - begin > std::chrono::milliseconds(200);

@@ -16,13 +16,16 @@ protected:
   }
 
   void start(http::ServiceOptions options = {}, http::ConnectionLimits limits = {}) {
+    server_.reset();
     key_ = options.keys.empty() ? "" : options.keys[0];
     serve(std::move(options));
     limits.workers = service_->blockingRequests() + 4;
     server_ = std::make_unique<http::HttpServer>(
-        limits, [this](http::Request& request, const http::Problem* refusal) {
+        limits,
+        [this](http::Request& request, const http::Problem* refusal) {
           return service_->answer(request, refusal);
-        });
+        },
+        [this](http::Request& request) { return service_->screen(request); });
     service_->observeConnections([this] { return server_->counts(); });
     port_ = server_->start("127.0.0.1", 0);
   }

@@ -13,7 +13,14 @@ using test::Reply;
 using test::requestText;
 using testing::HasSubstr;
 
-class Server : public test::ServerTest {};
+class Server : public test::ServerTest {
+protected:
+  /// 8 MB, and quickly made: nothing is in sight.
+  std::string largeTile() {
+    return "/v1/scenes/" + idOf("cube") +
+           "/tiles/1024x1024/0,0,1024,1024/0-1.f16?camera=0,0,9,0,0,99,0,1,0,9";
+  }
+};
 
 TEST_F(Server, FramesAnswers) {
   start();
@@ -181,13 +188,82 @@ TEST_F(Server, ClientThatReadsNothingIsDropped) {
   limits.transfer = milliseconds(300);
   limits.bytesPerSecond = 64u << 20;
   start({}, limits);
+  // 8 MB: more than the sockets' buffers hold.
+  const std::string large = largeTile();
   Connection deaf(port_);
-  for (int i = 0; i < 3000; ++i) // more answers than the socket's buffers hold
-    if (!deaf.send(requestText("GET", "/"))) break;
-  for (int i = 0; i < 400 && server_->counts().busy > 0; ++i)
-    std::this_thread::sleep_for(milliseconds(10));
+  deaf.send(requestText("GET", large));
+  ASSERT_TRUE(deaf.readable(std::chrono::seconds(20)));
+  EXPECT_EQ(server_->counts().dropped, 0u) << "it has its time";
+  EXPECT_EQ(server_->counts().busy, 1u) << "all of it was taken: the answer is too small for this test";
+  const auto begin = std::chrono::steady_clock::now();
+  while (server_->counts().dropped == 0 && std::chrono::steady_clock::now() - begin < std::chrono::seconds(5))
+    std::this_thread::sleep_for(milliseconds(2));
+  EXPECT_EQ(server_->counts().dropped, 1u);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, milliseconds(1500));
   EXPECT_EQ(server_->counts().busy, 0u);
+  const auto rest = deaf.receive(false, milliseconds(1000));
+  EXPECT_FALSE(rest) << "a whole answer";
+  // Who reads the same answer, slowly but steadily, gets all of it.
+  limits.transfer = milliseconds(700);
+  limits.bytesPerSecond = 1u << 20;
+  start({}, limits);
+  Connection steady(port_);
+  steady.send(requestText("GET", large));
+  const auto whole = steady.receiveSlowly(4u << 20);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->body.size(), 16u + 1024 * 1024 * 8);
+  EXPECT_EQ(server_->counts().dropped, 0u);
   expectServing();
+}
+
+TEST_F(Server, ManyDeadlinesAtOnceCloseEachConnectionOnce) {
+  // A slow screen holds the loop up until every deadline has passed; to refuse a head that is late then
+  // makes room for the refusal by closing an answer that is late as well.
+  ConnectionLimits limits;
+  limits.head = limits.transfer = milliseconds(1000);
+  limits.bytesPerSecond = std::size_t{1} << 40; // what the sockets take earns no time
+  constexpr std::size_t kBody = 8u << 20;
+  limits.answerBytes = 3 * (kBody + 300);
+  HttpServer server(
+      limits,
+      [](Request&, const Problem* refusal) {
+        Response response;
+        response.contentType = "text/plain";
+        response.body.assign(refusal ? 2000 : kBody, 'x');
+        return response;
+      },
+      [](Request&) {
+        std::this_thread::sleep_for(milliseconds(1800));
+        return std::nullopt;
+      });
+  const int port = server.start("127.0.0.1", 0);
+  std::vector<std::unique_ptr<Connection>> deaf, late;
+  const auto add = [&](auto& list, const std::string& bytes) {
+    list.push_back(std::make_unique<Connection>(port));
+    list.back()->send(bytes);
+  };
+  for (int i = 0; i < 3; ++i)
+    add(deaf, requestText("GET", "/"));
+  for (int i = 0; i < 1000 && server.counts().busy != 3; ++i)
+    std::this_thread::sleep_for(milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(100)); // all that the sockets take is in them
+  ASSERT_EQ(server.counts().busy, 3u);
+  ASSERT_EQ(server.counts().dropped, 0u);
+  for (int i = 0; i < 8; ++i)
+    add(late, "GET / HT");
+  std::this_thread::sleep_for(milliseconds(20));
+  Connection blocking(port);
+  blocking.send("POST / HTTP/1.1\r\nHost: a\r\nContent-Length: 10\r\n\r\n");
+  for (auto& connection : late) {
+    const auto reply = connection->receive(false, milliseconds(8000));
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->body.size(), 2000u);
+  }
+  for (int i = 0; i < 4000 && server.counts().open > 0; ++i)
+    std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_EQ(server.counts().open, 0u);
+  EXPECT_EQ(server.counts().dropped, 3u) << "each of the deaf, once";
+  EXPECT_EQ(server.counts().busy, 0u);
 }
 
 TEST_F(Server, UnreadAnswersHaveABound) {
@@ -195,8 +271,7 @@ TEST_F(Server, UnreadAnswersHaveABound) {
   limits.answerBytes = 1u << 20;
   start({}, limits);
   // 8 MB an answer: more than sockets hold, so that each waits for its client.
-  const std::string large =
-      "/v1/scenes/" + idOf("cube") + "/tiles/1024x1024/0,0,1024,1024/0-1.f16?camera=0,0,9,0,0,99,0,1,0,9";
+  const std::string large = largeTile();
   std::vector<std::unique_ptr<Connection>> deaf;
   for (int i = 0; i < 3; ++i) {
     deaf.push_back(std::make_unique<Connection>(port_));

@@ -41,7 +41,9 @@ TEST_F(Routes, InfoPrintsTheSchemasRows) {
   EXPECT_EQ(info["version"], kVersion);
   EXPECT_EQ(info["limits"]["rays"], kMaxRays);
   EXPECT_EQ(info["queue"]["slots"], 3);
-  EXPECT_EQ(info["limits"].size(), limitRows().size() + 2) << "and the deadline, and connections";
+  EXPECT_EQ(info["limits"].size(), limitRows().size() + 3)
+      << "and the deadline, connections, and what memory there is for explicit meshes";
+  EXPECT_EQ(info["limits"]["explicit_triangles"], (std::size_t{1} << 30) / 160);
   for (const LimitRow& row : limitRows())
     EXPECT_EQ(info["limits"][std::string(row.name)], row.value);
   ASSERT_EQ(info["parameters"].size(), parameterRows().size());
@@ -228,6 +230,43 @@ TEST_F(Routes, KeysAreAskedForUnderV1Only) {
   EXPECT_EQ(get("/v1/info", {{"x-api-key", "0123456789abcdef"}}).status, 200);
 }
 
+TEST_F(Routes, WhatAKeyIsAskedForIsNotForSharedCaches) {
+  folder_.addCube("cube.obj");
+  const Headers key{{"authorization", "Bearer 0123456789abcdef"}};
+  for (const bool keyed : {true, false}) {
+    ServiceOptions options;
+    if (keyed) options.keys = {"0123456789abcdef"};
+    serve(options);
+    const std::string scene = "/v1/scenes/" + idOf("cube");
+    const std::string images[] = {scene + "/tiles/8x8/0,0,8,8/0-1.png", scene + "/frames/8x8/0-1.exr",
+                                  scene + "/preview.glb"};
+    for (const std::string& image : images)
+      EXPECT_EQ(*get(image, key).header("Cache-Control"),
+                keyed ? "private, max-age=31536000, immutable" : "public, max-age=31536000, immutable");
+    // Every route, whatever it answers: 200, 304, a redirect.
+    std::vector<std::string> targets(std::begin(images), std::end(images));
+    for (const RouteRow& row : routeRows())
+      if (row.needsKey && !row.hasScene()) targets.emplace_back(row.path);
+    targets.insert(targets.end(), {scene, "/v1/scenes/cube/tiles/8x8/0,0,8,8/0-1.png"});
+    for (const std::string& target : targets) {
+      const Response first = get(target, key);
+      Headers again = key;
+      if (first.header("ETag")) again.emplace_back("if-none-match", *first.header("ETag"));
+      for (const Response& response : {first, get(target, again)}) {
+        const std::string cache = *response.header("Cache-Control");
+        EXPECT_EQ(cache == "no-store" || cache.starts_with("private, "), keyed || cache == "no-store")
+            << target << ": " << cache;
+        EXPECT_EQ(response.header("Vary") != nullptr, keyed) << target;
+        if (keyed) {
+          EXPECT_EQ(cache.find("public"), std::string::npos) << target;
+          EXPECT_EQ(*response.header("Vary"), "Authorization, X-Api-Key");
+        }
+      }
+    }
+    EXPECT_EQ(*get("/").header("Cache-Control"), "no-cache") << "the page is for everybody";
+  }
+}
+
 TEST_F(Routes, OtherHostsAreNotAnswered) {
   serve({.hosts = {"localhost", "127.0.0.1", "[::1]", "render.example"}});
   for (const char* host :
@@ -249,8 +288,26 @@ TEST_F(Routes, PagesOfOtherSitesCannotMakeItWork) {
       EXPECT_EQ(response.status, 403) << target;
       EXPECT_THAT(response.body, HasSubstr("urn:chamfer:problem:cross-site"));
     }
-  EXPECT_EQ(get("/", {{"sec-fetch-site", "cross-site"}, {"sec-fetch-mode", "navigate"}}).status, 200)
-      << "a link";
+  // Links are followed, but not into the other site's frames, and not before somebody does.
+  const auto navigation = [](const char* destination, Headers more = {}) {
+    Headers headers{{"sec-fetch-site", "cross-site"}, {"sec-fetch-mode", "navigate"}};
+    if (*destination) headers.emplace_back("sec-fetch-dest", destination);
+    headers.insert(headers.end(), more.begin(), more.end());
+    return headers;
+  };
+  for (const std::string& target : {tile, std::string("/")}) {
+    EXPECT_EQ(get(target, navigation("document")).status, 200) << target;
+    EXPECT_EQ(get(target, navigation("document", {{"sec-fetch-user", "?1"}})).status, 200) << target;
+    for (const char* destination : {"iframe", "frame", "fencedframe", "embed", "object", "empty", ""})
+      EXPECT_EQ(get(target, navigation(destination)).status, 403) << target << ' ' << destination;
+    EXPECT_EQ(get(target, navigation("document", {{"sec-purpose", "prefetch;prerender"}})).status, 403);
+    EXPECT_EQ(get(target, navigation("document", {{"purpose", "prefetch"}})).status, 403);
+  }
+  EXPECT_EQ(ask("POST", "/v1/scenes/cube/rays",
+                navigation("document", {{"content-type", "application/json"}}), R"({"rays":[]})")
+                .status,
+            403)
+      << "a form";
   for (const char* site : {"same-origin", "same-site", "none"})
     EXPECT_EQ(get(tile, {{"sec-fetch-site", site}, {"sec-fetch-mode", "cors"}}).status, 200) << site;
   EXPECT_EQ(get("/livez", {{"sec-fetch-site", "cross-site"}, {"sec-fetch-mode", "no-cors"}}).status, 200);

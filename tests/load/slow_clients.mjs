@@ -1,4 +1,5 @@
-// 200 connections: half of them fetch tiles, a quarter sends a byte a second, a quarter says nothing at all.
+// 240 connections: 100 of them fetch tiles, 50 send a head a byte a second, 40 promise large bodies and send them a byte a
+// second, 50 say nothing at all.
 import assert from 'node:assert/strict';
 import http from 'node:http';
 import net from 'node:net';
@@ -8,6 +9,7 @@ import { probeHealth, rounded, startSubject } from './subject.mjs';
 
 const HEALTHY = 100;
 const SLOW = 50;
+const BODIES = 40; // of 32 MiB each: five times what all bodies may have
 const IDLE = 50;
 
 /** Keeps `count` connections open, opening each anew when the server ends it; `onOpen(socket)` makes them a nuisance. */
@@ -41,6 +43,13 @@ function drip(socket) {
   socket.on('close', () => clearInterval(timer));
 }
 
+function dripBody(socket) {
+  const fields = 'Host: localhost\r\nContent-Type: application/json\r\nContent-Length: 33554432';
+  socket.write(`POST /v1/scenes/blocks/rays HTTP/1.1\r\n${fields}\r\n\r\n`);
+  const timer = setInterval(() => socket.write(' '), 1_000);
+  socket.on('close', () => clearInterval(timer));
+}
+
 export async function slowClients(settings) {
   const server = await startSubject(settings, ['--threads', '1', '--waiting', '128']);
   const tiles = Array.from({ length: settings.quick ? 600 : 4000 }, (_, i) =>
@@ -64,12 +73,15 @@ export async function slowClients(settings) {
   try {
     const { digests, ...alone } = await measure();
     const endSlow = nuisances(server.port, SLOW, drip);
+    const endBodies = nuisances(server.port, BODIES, dripBody);
     const endIdle = nuisances(server.port, IDLE, () => {});
     await sleep(settings.quick ? 500 : 20_000); // beyond the server's patience with either, where there is time
     const health = probeHealth(server.url);
     const { digests: again, ...beside } = await measure();
     const livez = await health.end();
-    const opened = endSlow() + endIdle();
+    const batch = { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: '{"rays":[[0,0,9,0,0,-1]]}' };
+    assert.equal((await ask(`${server.url}/v1/scenes/blocks/rays`, batch)).status, 200, 'a body beside those');
+    const opened = endSlow() + endBodies() + endIdle();
 
     assert.deepEqual(again, digests);
     // A server that gave each connection a thread, or waited for one of them, would come to a stop; what remains is the

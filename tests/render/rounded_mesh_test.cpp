@@ -135,14 +135,15 @@ TEST(RoundedMesh, TooManySegmentsAreRefusedWithTheLargestNumberThatWorks) {
     options.radius.value = 0.1;
     roundings.push_back(preprocess(meshOf(oracle::box(1, 1, 1)), options).rounding);
   }
-  const auto text = thrownBy([&] { checkSegments(roundings, 256); });
+  const auto text = thrownBy([&] { explicitBytes(roundings, 256, UINT64_MAX); });
   EXPECT_THAT(text,
               testing::StartsWith("out-of-range: rounding \"mesh:256\" would make 318266400 triangles"));
   EXPECT_THAT(text, testing::HasSubstr("use mesh:56 or fewer"));
-  EXPECT_EQ(thrownBy([&] { checkSegments(roundings, 56); }), "nothing");
-  EXPECT_THAT(thrownBy([&] { checkSegments(roundings, 57); }), testing::StartsWith("out-of-range: "));
+  EXPECT_EQ(thrownBy([&] { explicitBytes(roundings, 56, UINT64_MAX); }), "nothing");
+  EXPECT_THAT(thrownBy([&] { explicitBytes(roundings, 57, UINT64_MAX); }),
+              testing::StartsWith("out-of-range: "));
   roundings.assign(600, roundings[0]); // one rounding for all is made once
-  EXPECT_EQ(thrownBy([&] { checkSegments(roundings, 256); }), "nothing");
+  EXPECT_EQ(thrownBy([&] { explicitBytes(roundings, 256, UINT64_MAX); }), "nothing");
 }
 
 } // namespace

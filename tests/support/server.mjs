@@ -19,16 +19,20 @@ export function makeRoot(chamferprep, data, scenes = undefined) {
   try {
     cpSync(data, root, { recursive: true, filter: wanted });
     for (const [folder, radius] of [['solids', '0.08'], ['bricks', '0.05']]) {
-      const meshes = readdirSync(join(root, folder)).map((name) => join(root, folder, name));
-      const run = spawnSync(chamferprep, [...meshes, '--radius', radius, '-j', '1'], { encoding: 'utf8' });
-      if (run.error) throw new Error(`cannot run ${chamferprep}: ${run.error.message}; build the target chamferprep`);
-      if (run.status !== 0) throw new Error(`chamferprep on ${folder} ended with ${run.status}: ${run.stderr}`);
+      roundMesh(chamferprep, readdirSync(join(root, folder)).map((name) => join(root, folder, name)), radius);
     }
   } catch (error) {
     remove();
     throw error;
   }
   return { root, remove };
+}
+
+/** Writes the sidecar of a mesh, or of a list of them. */
+export function roundMesh(chamferprep, meshes, radius) {
+  const run = spawnSync(chamferprep, [meshes, '--radius', radius, '-j', '1'].flat(), { encoding: 'utf8' });
+  if (run.error) throw new Error(`cannot run ${chamferprep}: ${run.error.message}; build the target chamferprep`);
+  if (run.status !== 0) throw new Error(`chamferprep on ${meshes} ended with ${run.status}: ${run.stderr}`);
 }
 
 /**

@@ -75,26 +75,7 @@ void Catalogue::run() {
 
 void Catalogue::pass() {
   const ScanResult scan = scanRoot(root_);
-  std::set<std::string> names;
-  {
-    const std::lock_guard lock(mutex_);
-    if (scan.warnings != warnings_)
-      for (const std::string& warning : scan.warnings)
-        logMessage(LogLevel::Warning, warning);
-    warnings_ = scan.warnings;
-    for (const FoundScene& found : scan.scenes) {
-      names.insert(found.name);
-      if (!byName_.contains(found.name)) {
-        auto entry = std::make_shared<CatalogueEntry>();
-        entry->name = found.name;
-        byName_[found.name] = entry;
-      }
-    }
-    std::erase_if(byName_, [&](const auto& item) { return !names.contains(item.first); });
-    std::erase_if(byId_, [&](const auto& item) { return !names.contains(item.second->name); });
-  }
-  std::erase_if(sources_, [&](const auto& item) { return !names.contains(item.first); });
-
+  forget(scan);
   for (const FoundScene& found : scan.scenes) {
     if (stopping_) return;
     const Entry before = find(found.name);
@@ -104,11 +85,49 @@ void Catalogue::pass() {
     std::vector<fs::path> files{found.file};
     if (entry->scene) files = entry->scene->files;
     sources_[found.name] = {found.file, stampsOf(files, begin), scan.files};
-    const std::lock_guard lock(mutex_);
-    std::erase_if(byId_, [&](const auto& item) { return item.second->name == found.name; });
-    byName_[found.name] = entry;
-    if (entry->scene) byId_[entry->scene->id.hex()] = entry;
+    put(entry);
   }
+}
+
+/// Lets go of what is no longer there, and lists what is new.
+void Catalogue::forget(const ScanResult& scan) {
+  std::set<std::string> names;
+  for (const FoundScene& found : scan.scenes)
+    names.insert(found.name);
+  std::erase_if(sources_, [&](const auto& item) {
+    if (names.contains(item.first)) return false;
+    if (!scan.mayHold(item.second.file.lexically_relative(root_).generic_string())) return true;
+    names.insert(item.first);
+    return false;
+  });
+
+  const std::lock_guard lock(mutex_);
+  if (scan.warnings != warnings_)
+    for (const std::string& warning : scan.warnings)
+      logMessage(LogLevel::Warning, warning);
+  warnings_ = scan.warnings;
+  for (const FoundScene& found : scan.scenes)
+    if (!byName_.contains(found.name)) {
+      auto entry = std::make_shared<CatalogueEntry>();
+      entry->name = found.name;
+      byName_[found.name] = entry;
+    }
+  std::erase_if(byName_, [&](const auto& item) { return !names.contains(item.first); });
+  indexIds();
+}
+
+void Catalogue::put(const Entry& entry) {
+  const std::lock_guard lock(mutex_);
+  byName_[entry->name] = entry;
+  indexIds();
+}
+
+/// Made anew from the names, so that an id lives as long as any name has its content.
+void Catalogue::indexIds() {
+  std::map<std::string, Entry> ids;
+  for (const auto& [name, entry] : byName_)
+    if (entry->scene) ids.emplace(entry->scene->id.hex(), entry);
+  byId_.swap(ids);
 }
 
 bool Catalogue::current(const FoundScene& found, const CatalogueEntry& entry, const Digest& files) const {

@@ -72,6 +72,9 @@ private:
   };
   void run();
   void pass();
+  void forget(const ScanResult& scan);
+  void put(const Entry& entry);
+  void indexIds();
   bool current(const FoundScene& found, const CatalogueEntry& entry, const Digest& files) const;
   Entry load(const FoundScene& found, const Entry& before) const;
   void checkMemory(const CatalogueEntry& entry) const;
@@ -84,7 +87,7 @@ private:
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::map<std::string, Entry> byName_;
-  std::map<std::string, Entry> byId_;
+  std::map<std::string, Entry> byId_; ///< of names with equal contents, which share an id, the first
   std::vector<std::string> warnings_;
   std::map<std::string, Sources> sources_; ///< by name; the loading thread's own
   std::thread thread_;

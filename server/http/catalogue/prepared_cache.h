@@ -1,5 +1,5 @@
 // Scenes prepared for tracing, by scene and rounding: built once however many ask at the same time, kept
-// while there is room, the least recently used dropped first. Renders in flight keep what they use.
+// while there is room, the least recently used dropped first. What renders in flight use stays, and counts.
 #pragma once
 
 #include "common/digest.h"
@@ -17,11 +17,14 @@ namespace chamfer::http {
 
 class PreparedCache {
 public:
-  /// `bytes`: of everything kept; the entry used last stays even when it is larger. `threads`: for building.
+  /// `bytes`: of everything kept. An explicit mesh is built only when it fits beside what is in use; another
+  /// rounding, whose size is the scene's and not the client's choice, also when it is larger. `threads`: for
+  /// building.
   PreparedCache(std::size_t bytes, unsigned threads) : limit_(bytes), threads_(threads) {}
 
   /// Builds or waits for what another request builds. Throws what prepare() throws (it is tried again the
-  /// next time), and Error(Cancelled) soon after `cancelled` has turned true, whoever builds.
+  /// next time), ProblemError (503) while what is in use leaves no room for an explicit mesh, and
+  /// Error(Cancelled) soon after `cancelled` has turned true, whoever builds.
   std::shared_ptr<const PreparedScene> get(const std::shared_ptr<const Scene>& scene,
                                            const RoundingChoice& choice,
                                            const std::function<bool()>& cancelled);
@@ -36,9 +39,13 @@ private:
   struct Entry {
     std::string key;
     std::shared_future<Result> result;
-    std::size_t bytes = 0; ///< 0 while it is built
+    std::size_t bytes = 0; ///< while it is built: what it is expected to take, where that is known
+    bool ready = false;
   };
   using Place = std::list<Entry>::iterator;
+  Result build(Place place, const std::shared_ptr<const Scene>& scene, const RoundingChoice& choice,
+               const std::function<bool()>& cancelled);
+  void count(Place place, std::size_t bytes);
   void evict();
 
   const std::size_t limit_;

@@ -1,9 +1,11 @@
 #include "server/http/connection/connection.h"
 
+#include <algorithm>
 #include <arpa/inet.h>
-#include <fcntl.h>
+#include <linux/sockios.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -25,14 +27,29 @@ std::string addressOf(int socket) {
   return text[0] != '\0' ? text : "unknown";
 }
 
+void Connection::progressed(std::size_t bytes, std::chrono::milliseconds patience,
+                            std::size_t bytesPerSecond) {
+  // More than `patience` is never earned, so that nobody may fall silent for long after a quick start.
+  const auto longest = Clock::now() + patience;
+  const std::chrono::duration<double> earned(static_cast<double>(bytes) /
+                                             static_cast<double>(bytesPerSecond));
+  if (earned >= patience)
+    deadline = longest;
+  else
+    deadline = std::min(longest, deadline + std::chrono::duration_cast<Clock::duration>(earned));
+}
+
 void configureSocket(int socket) {
-  ::fcntl(socket, F_SETFL, ::fcntl(socket, F_GETFL) | O_NONBLOCK);
-  ::fcntl(socket, F_SETFD, FD_CLOEXEC);
   const int on = 1, probeAfterSeconds = 15;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   // A host that vanishes without a word is found out even while its request is handled.
   ::setsockopt(socket, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
   ::setsockopt(socket, IPPROTO_TCP, TCP_KEEPIDLE, &probeAfterSeconds, sizeof probeAfterSeconds);
+}
+
+std::size_t unconfirmedBytes(int socket) {
+  int bytes = 0;
+  return ::ioctl(socket, SIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
 }
 
 } // namespace chamfer::http

@@ -4,8 +4,9 @@
 //
 //   ReadingHead -> (ReadingBody) -> Handling -> Writing -> ReadingHead | Lingering -> closed
 //
-// Every phase has a deadline. Everything but adopt(), stop() and the workers' completions happens on the
-// loop's thread.
+// Every phase but Handling has a deadline. A body is read only from whom the screen lets in, costs what has
+// arrived of it, not what its head promises, and where room is short, whoever holds the most gives way.
+// Everything but listen(), stopListening(), stop() and the workers' completions happens on the loop's thread.
 #pragma once
 
 #include "server/http/connection/request_head.h"
@@ -21,15 +22,15 @@ namespace chamfer::http {
 
 struct ConnectionLimits {
   std::size_t connections = 512;      ///< beyond: the longest idle one is closed, or the new one refused
-  std::size_t bodyBytes = 256u << 20; ///< of all bodies that are read or handled at one time
+  std::size_t bodyBytes = 256u << 20; ///< of all bodies that are here, read in part or handled
   std::size_t answerBytes = std::size_t{1}
                             << 30; ///< of all answers that wait to be read; beyond, the oldest is dropped
   unsigned workers = 8;            ///< threads that handle requests
   std::size_t pending = 256;       ///< requests that wait for such a thread
   std::chrono::milliseconds idle{15'000};     ///< between requests
   std::chrono::milliseconds head{5'000};      ///< from a head's first byte to its last
-  std::chrono::milliseconds transfer{10'000}; ///< for a body or an answer, and more by its size:
-  std::size_t bytesPerSecond = 64u << 10;     ///< the slowest transfer that is still waited for
+  std::chrono::milliseconds transfer{10'000}; ///< by so much a body or an answer may fall behind
+  std::size_t bytesPerSecond = 64u << 10;     ///< the slowest transfer that is waited for without end
 };
 
 struct ConnectionCounts {
@@ -58,17 +59,22 @@ public:
   /// Turns a request into the bytes of its answer; called on worker threads, for refusals on the loop's. Must
   /// not throw.
   using Dispatch = std::function<RawAnswer(RawRequest&)>;
+  /// Looks at a head before its body is read, on the loop's thread: quickly. Returns why the body is not
+  /// wanted; puts the name of the client, which is its peer's address, right.
+  using Screen = std::function<std::optional<Problem>(const RequestHead&, std::string& client)>;
 
-  ConnectionLoop(const ConnectionLimits& limits, Dispatch dispatch);
+  ConnectionLoop(const ConnectionLimits& limits, Dispatch dispatch, Screen screen);
   /// As stop().
   ~ConnectionLoop();
   ConnectionLoop(const ConnectionLoop&) = delete;
   ConnectionLoop& operator=(const ConnectionLoop&) = delete;
 
-  /// Closes every connection, and waits for the requests being handled. Nothing may be adopted from then on.
+  /// Takes over a listening socket and accepts from it. Once, from any thread.
+  void listen(int socket);
+  /// Takes who is waiting to be accepted, then closes the listening socket, before it returns. Any thread.
+  void stopListening();
+  /// Closes every connection, and waits for the requests being handled.
   void stop();
-  /// Takes over an accepted socket. Any thread.
-  void adopt(int socket);
   /// Any thread.
   ConnectionCounts counts() const;
 

@@ -1,17 +1,18 @@
 // The only file that knows cpp-httplib (0.11.4, Debian's split package: pkg-config's flags are part of its
 // ABI).
 //
-// The library listens, accepts, and frames the answers. What it does badly in this version is kept from it:
-// - one thread a connection, select(): process_and_close_socket() hands the socket to our connection loop at
-// once;
+// The library binds the socket and frames the answers. What it does badly in this version is kept from it:
+// - one thread a connection, select(), an accept() whose passing errors end the listener for good: our
+//   connection loop has the listening socket;
 // - chunked and compressed bodies, bodies of GET, repeated lengths, percent-decoding in header values,
 // ranges, regular
 //   expressions over what clients send: heads are read by request_head.cpp and the library is shown a head of
 //   ours;
-// - exception texts in answers: the handler does not throw, and the exception handler says nothing;
+// - exception texts in answers: what is thrown goes on to exchange(), which says nothing of it;
 // - SO_REUSEPORT, by which a second server would silently share the port: replaced by SO_REUSEADDR.
 #include "server/http/connection/http_server.h"
 
+#include <fcntl.h>
 #include <httplib.h>
 #include <string.h>
 #include <thread>
@@ -20,6 +21,7 @@ namespace chamfer::http {
 namespace {
 
 constexpr int kBacklog = 512;
+constexpr std::size_t kHeadRoom = 4096; ///< for an answer's head
 
 /// Our head in, the answer's bytes out.
 class MemoryStream : public httplib::Stream {
@@ -47,24 +49,23 @@ private:
   std::size_t position_ = 0;
 };
 
-/// Runs the library's task, which only hands the socket on, on the accepting thread.
-class InlineQueue : public httplib::TaskQueue {
-public:
-  void enqueue(std::function<void()> task) override { task(); }
-  void shutdown() override {}
-};
+/// What is sent when there is no memory to make any other answer.
+constexpr std::string_view kLastResort =
+    "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 10\r\nCache-Control: no-store\r\nConnection: close\r\n"
+    "X-Content-Type-Options: nosniff\r\nContent-Type: application/problem+json\r\nContent-Length: 105\r\n\r\n"
+    R"({"type":"urn:chamfer:problem:busy","title":"Busy","status":503,"detail":"the server is short of memory"})"
+    "\n";
+static_assert(kLastResort.size() - kLastResort.find("\r\n\r\n") - 4 == 105);
 
-Request requestOf(RawRequest& raw) {
+/// The request as its head says it, without its body.
+Request requestOf(const RequestHead& head, const std::string& peer) {
   Request request;
-  const std::string& target = raw.head.target;
-  const std::size_t mark = target.find('?');
-  request.method = raw.head.method;
-  request.path = target.substr(0, mark);
-  if (mark != std::string::npos) request.query = target.substr(mark + 1);
-  request.headers = std::move(raw.head.headers);
-  request.body = std::move(raw.body);
-  request.client = raw.peer;
-  request.cancelled.clientGone = raw.clientGone;
+  const std::size_t mark = head.target.find('?');
+  request.method = head.method;
+  request.path = head.target.substr(0, mark);
+  if (mark != std::string::npos) request.query = head.target.substr(mark + 1);
+  request.headers = head.headers;
+  request.client = peer;
   return request;
 }
 
@@ -72,9 +73,8 @@ Request requestOf(RawRequest& raw) {
 
 class HttpServer::Library : public httplib::Server {
 public:
-  Library(const ConnectionLimits& limits, RequestHandler handler) : handler_(std::move(handler)) {
-    new_task_queue = [] { return new InlineQueue; };
-    set_tcp_nodelay(true);
+  Library(const ConnectionLimits& limits, RequestHandler handler, RequestScreen screen)
+      : handler_(std::move(handler)), screen_(std::move(screen)) {
     set_socket_options([](socket_t socket) {
       const int on = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -95,43 +95,29 @@ public:
           (request.method == "HEAD" && response.body.empty()))
         response.headers.erase("Content-Length");
     });
-    set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
-      response.status = 500;
+    set_exception_handler([](const httplib::Request&, httplib::Response&, std::exception_ptr error) {
+      std::rethrow_exception(error); // to exchange()
     });
-    loop_ = std::make_unique<ConnectionLoop>(limits, [this](RawRequest& raw) { return exchange(raw); });
+    loop_ = std::make_unique<ConnectionLoop>(
+        limits, [this](RawRequest& raw) { return exchange(raw); },
+        [this](const RequestHead& head, std::string& client) { return screened(head, client); });
   }
-
-  ~Library() override { stopAccepting(); }
 
   int start(const std::string& host, int port) {
     const int bound = port == 0 ? bind_to_any_port(host) : (bind_to_port(host, port) ? port : -1);
     if (bound <= 0)
       throw Error(ErrorKind::Usage, "cannot listen on " + host + " port " + std::to_string(port) + ": " +
                                         ::strerror(errno) + "; choose another --port or --host");
-    ::listen(svr_sock_, kBacklog); // the library asks for 5
-    accepting_ = std::thread([this, host, bound] {
-      // The library's loop ends for good on some passing errors of accept(); begin again unless it was asked
-      // to end.
-      while (!listen_after_bind() && !stopping_) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-        if (!stopping_ && bind_to_port(host, bound)) ::listen(svr_sock_, kBacklog);
-      }
-    });
+    const int socket = svr_sock_.exchange(INVALID_SOCKET); // no longer the library's
+    ::fcntl(socket, F_SETFL, ::fcntl(socket, F_GETFL) | O_NONBLOCK);
+    ::listen(socket, kBacklog); // the library asks for 5
+    loop_->listen(socket);
     return bound;
   }
 
-  void stopAccepting() {
-    stopping_ = true;
-    if (!accepting_.joinable()) return;
-    // stop() does nothing until the loop has begun.
-    while (!is_running() && svr_sock_ != INVALID_SOCKET)
-      std::this_thread::yield();
-    httplib::Server::stop();
-    accepting_.join();
-  }
-
   void stop(std::chrono::milliseconds grace) {
-    stopAccepting();
+    stopping_ = true;
+    loop_->stopListening();
     const auto end = std::chrono::steady_clock::now() + grace;
     while (loop_->counts().busy > 0 && std::chrono::steady_clock::now() < end)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -141,19 +127,39 @@ public:
   ConnectionCounts counts() const { return loop_->counts(); }
 
 private:
-  bool process_and_close_socket(socket_t socket) override {
-    loop_->adopt(socket);
-    return true;
+  std::optional<Problem> screened(const RequestHead& head, std::string& client) {
+    if (!screen_) return std::nullopt;
+    Request request = requestOf(head, client);
+    std::optional<Problem> problem = screen_(request);
+    client = request.client;
+    return problem;
   }
 
+  /// Nothing may be thrown from here: it would end the process.
   RawAnswer exchange(RawRequest& raw) {
+    try {
+      return framed(raw);
+    } catch (...) {
+      current_ = nullptr;
+    }
+    try {
+      return {std::string(kLastResort), true};
+    } catch (...) {
+      return {{}, true};
+    }
+  }
+
+  RawAnswer framed(RawRequest& raw) {
     const bool head = raw.head.method == "HEAD";
     const bool keepAlive = raw.head.keepAlive && !stopping_;
-    Request request = requestOf(raw);
+    Request request = requestOf(raw.head, raw.peer);
+    request.body = std::move(raw.body);
+    request.cancelled.clientGone = raw.clientGone;
     Response response = handler_(request, raw.refusal ? &*raw.refusal : nullptr);
     const bool close = response.close || !keepAlive || raw.refusal;
-    current_ = &response;
     MemoryStream stream(std::string(head ? "HEAD" : "GET") + " / HTTP/1.1\r\n\r\n");
+    stream.output.reserve(response.body.size() + kHeadRoom);
+    current_ = &response;
     bool libraryCloses = false;
     process_request(stream, close, libraryCloses, nullptr);
     current_ = nullptr;
@@ -164,15 +170,15 @@ private:
   static thread_local Response* current_;
 
   const RequestHandler handler_;
+  const RequestScreen screen_;
   std::atomic<bool> stopping_ = false;
   std::unique_ptr<ConnectionLoop> loop_;
-  std::thread accepting_;
 };
 
 thread_local Response* HttpServer::Library::current_ = nullptr;
 
-HttpServer::HttpServer(const ConnectionLimits& limits, RequestHandler handler)
-    : library_(std::make_unique<Library>(limits, std::move(handler))) {}
+HttpServer::HttpServer(const ConnectionLimits& limits, RequestHandler handler, RequestScreen screen)
+    : library_(std::make_unique<Library>(limits, std::move(handler), std::move(screen))) {}
 HttpServer::~HttpServer() = default;
 int HttpServer::start(const std::string& host, int port) { return library_->start(host, port); }
 void HttpServer::stop(std::chrono::milliseconds grace) { library_->stop(grace); }

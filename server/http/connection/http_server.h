@@ -14,10 +14,13 @@ namespace chamfer::http {
 /// Answers a request; called from many threads at once. Must not throw. `refusal`: what is wrong with the
 /// request already, to be answered as it is.
 using RequestHandler = std::function<Response(Request& request, const Problem* refusal)>;
+/// Looks at a request whose body has not been read yet, on the thread of all connections: returns why the
+/// body is not wanted, and puts `request.client` right. Must not throw, nor take long.
+using RequestScreen = std::function<std::optional<Problem>(Request& request)>;
 
 class HttpServer {
 public:
-  HttpServer(const ConnectionLimits& limits, RequestHandler handler);
+  HttpServer(const ConnectionLimits& limits, RequestHandler handler, RequestScreen screen = {});
   /// Stops as stop() does, without waiting.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;

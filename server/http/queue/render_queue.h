@@ -5,23 +5,29 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <list>
-#include <map>
 #include <mutex>
 #include <string>
 
 namespace chamfer::http {
 
 class RenderQueue {
+  /// One request that waits for a slot or has it.
+  struct Ticket {
+    std::string client;
+    enum class Phase : std::uint8_t { Waiting, Granted, Displaced } phase = Phase::Waiting;
+  };
+  using Tickets = std::list<Ticket>;
+
 public:
   RenderQueue(unsigned slots, unsigned waiting);
 
   /// Holds a slot until it is destroyed.
   class Slot {
   public:
-    Slot(Slot&& other) noexcept
-        : queue_(other.queue_), client_(std::move(other.client_)), since_(other.since_) {
+    Slot(Slot&& other) noexcept : queue_(other.queue_), ticket_(other.ticket_), since_(other.since_) {
       other.queue_ = nullptr;
     }
     Slot(const Slot&) = delete;
@@ -30,10 +36,10 @@ public:
 
   private:
     friend class RenderQueue;
-    Slot(RenderQueue* queue, std::string client);
+    Slot(RenderQueue* queue, Tickets::iterator ticket) noexcept : queue_(queue), ticket_(ticket) {}
     RenderQueue* queue_;
-    std::string client_;
-    std::chrono::steady_clock::time_point since_;
+    Tickets::iterator ticket_;
+    std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
   };
 
   /// Blocks until a slot is free. Throws ProblemError, both with Retry-After: 503 when too many wait already,
@@ -48,22 +54,20 @@ public:
   State state() const;
 
 private:
-  struct Waiter {
-    std::string client;
-    bool granted = false, displaced = false;
-  };
   bool makeRoomFor(const std::string& client);
-  void grantNext();
-  void release(const std::string& client, double seconds);
+  void grantNext() noexcept;
+  void release(Tickets::iterator ticket, double seconds) noexcept;
   int retryAfterSeconds() const;
 
   const unsigned slots_, places_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  unsigned running_ = 0;
-  std::list<Waiter*> waiting_;            ///< in order of arrival
-  std::map<std::string, unsigned> holds_; ///< slots by client; only clients that hold some
-  double meanSeconds_ = 0.1;              ///< moving mean of how long a slot is held
+  // A ticket is made by who comes, and moves from list to list without taking memory: to grant a slot and to
+  // give it back cannot fail.
+  Tickets waiting_; ///< in order of arrival
+  Tickets running_;
+  Tickets displaced_;        ///< whoever waits behind one has not been told yet
+  double meanSeconds_ = 0.1; ///< moving mean of how long a slot is held
 };
 
 } // namespace chamfer::http

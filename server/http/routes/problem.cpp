@@ -25,6 +25,8 @@ const char* problemTitle(int status) {
     return "Scene cannot be used as it is on disk";
   case 411:
     return "Length required";
+  case 412:
+    return "Precondition failed";
   case 413:
     return "Content too large";
   case 414:

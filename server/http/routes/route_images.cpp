@@ -1,11 +1,15 @@
 // Tiles and frames: queue, prepare, render, encode.
 #include "server/http/connection/url.h"
 #include "server/http/monitoring/log.h"
+#include "server/http/queue/render_pace.h"
 #include "server/http/queue/stage_timing.h"
 #include "server/http/routes/problem.h"
 #include "server/http/routes/routes.h"
 #include "server/http/routes/tile_request.h"
+#include "server/http/schema/schema.h"
 #include "server/render/image/image_io.h"
+
+#include <cmath>
 
 namespace chamfer::http {
 namespace {
@@ -34,6 +38,33 @@ std::string encoded(const Image& image, const TileRequest& wanted) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// Throws ProblemError (422) as soon as it is clear that the deadline cannot be met by far.
+RenderResult renderedInTime(const Parts& parts, const Request& request, const PreparedScene& ready,
+                            const TileRequest& wanted) {
+  const std::uint64_t pixels = std::uint64_t{wanted.tile.width} * wanted.tile.height;
+  const std::uint64_t looksOfAPixel = (wanted.samples() + kRenderAsksEvery - 1) / kRenderAsksEvery;
+  RenderPace pace(request.cancelled, pixels * looksOfAPixel);
+  const RenderControl control{parts.options.threads, [&pace] { return pace.stop(); }, nullptr};
+  try {
+    return renderTile(ready, wanted.settings, wanted.tile, control);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::Cancelled || !pace.hopeless()) throw;
+  }
+  const std::uint64_t work = pixels * wanted.samples();
+  const auto most = static_cast<std::uint64_t>(pace.share() * static_cast<double>(work));
+  const double seconds = std::chrono::duration<double>(parts.options.deadline).count();
+  throw ProblemError({.status = 422,
+                      .kind = errorWord(ErrorKind::OutOfRange),
+                      .detail = "at the pace of its beginning this would take " +
+                                numberText(std::ceil(seconds / pace.share())) +
+                                " seconds, and the server gives up after " + numberText(seconds) +
+                                "; ask for a smaller tile or fewer samples, about " + std::to_string(most) +
+                                " pixels times samples in all",
+                      .parameter = "samples",
+                      .value = std::to_string(work),
+                      .limits = "{\"maximum\":" + std::to_string(most) + "}"});
+}
+
 Response imageRoute(const Parts& parts, const Request& request, const std::shared_ptr<const Scene>& scene,
                     const TileRequest& wanted) {
   const std::string etag = '"' + answerDigest(scene->id, wanted).hex() + '"';
@@ -45,8 +76,7 @@ Response imageRoute(const Parts& parts, const Request& request, const std::share
   timing.lap(Stage::Queue);
   const auto ready = preparedFor(parts, scene, wanted.rounding, request.cancelled);
   timing.lap(Stage::Prepare);
-  const RenderControl control{parts.options.threads, request.cancelled, nullptr};
-  const RenderResult result = renderTile(*ready, wanted.settings, wanted.tile, control);
+  const RenderResult result = renderedInTime(parts, request, *ready, wanted);
   timing.lap(Stage::Render);
   response.body = encoded(result.image, wanted);
   timing.lap(Stage::Encode);

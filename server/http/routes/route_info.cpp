@@ -2,7 +2,9 @@
 #include "server/http/schema/openapi.h"
 #include "server/http/schema/schema.h"
 #include "server/http/version.h"
+#include "server/render/surface/rounded_mesh.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace chamfer::http {
@@ -34,6 +36,8 @@ Response infoRoute(const Parts& parts, const Request& request) {
     info["limits"][row.name] = row.value;
   info["limits"]["deadline_seconds"] = std::chrono::duration<double>(parts.options.deadline).count();
   info["limits"]["connections"] = parts.options.connections;
+  info["limits"]["explicit_triangles"] =
+      std::min<std::uint64_t>(kMostRoundedTriangles, cache.limit / kBytesPerRoundedTriangle);
   info["parameters"] = Json::array();
   for (const ParameterRow& row : parameterRows())
     info["parameters"].push_back(parameterJson(row));

@@ -53,6 +53,9 @@ std::shared_ptr<const PreparedScene> preparedFor(const Parts& parts,
     if (error.kind() == ErrorKind::OutOfRange) { // an explicit mesh of too many triangles
       problem.parameter = "rounding";
       problem.value = roundingWord(choice);
+      for (const auto& [key, value] : error.details())
+        if (key == "largest_segments")
+          problem.limits = "{\"maximum\":" + numberText(value) + ",\"unit\":\"segments\"}";
       throw ProblemError(problem);
     }
     if (error.kind() != ErrorKind::RadiusTooLarge || !choice.radius) throw;

@@ -39,7 +39,8 @@ struct Parts {
   Metrics& metrics;
 };
 
-/// Cache-Control of what a scene's id in the URL makes a function of the URL.
+/// Cache-Control of what a scene's id in the URL makes a function of the URL; where keys are asked for, the
+/// service makes it private.
 inline constexpr const char* kForever = "public, max-age=31536000, immutable";
 
 /// GET /v1/openapi.json
@@ -77,7 +78,7 @@ std::shared_ptr<const PreparedScene> preparedFor(const Parts& parts,
 /// 307 to the same resource of the scene's id. `rest`: the path below the scene, still encoded.
 Response redirectToId(const Request& request, const Scene& scene, const std::string& rest);
 /// An answer without its body yet: ETag `etag` (with its quotes) and Cache-Control; 304 when the client has
-/// it already.
+/// it already. Throws ProblemError (412) when If-Match asks for another one.
 Response taggedAnswer(const Request& request, const std::string& etag, const char* contentType,
                       const char* cacheControl);
 /// 200 with `body`, or 304 when the client has it already. The ETag is the body's digest.
@@ -85,5 +86,7 @@ Response cacheable(const Request& request, std::string body, const char* content
                    const char* cacheControl);
 /// Does If-None-Match name `etag` (with its quotes)?
 bool clientHas(const Request& request, std::string_view etag);
+/// Of a resource without ETags. Throws ProblemError (412) when If-Match asks for one.
+void checkUntagged(const Request& request);
 
 } // namespace chamfer::http

@@ -35,10 +35,16 @@ StaticFiles::StaticFiles(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_regular_file(folder / "index.html", error))
     throw Error(ErrorKind::NotFound, folder.string() + " holds no index.html; name the folder of the page");
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string path = entry.path().lexically_relative(folder).generic_string();
-    if (entry.is_regular_file() && !entry.is_symlink() && typeOf(path)) sources_[path] = {{}, entry.path()};
+  auto entry = fs::recursive_directory_iterator(folder, error);
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    const std::string path = entry->path().lexically_relative(folder).generic_string();
+    std::error_code gone;
+    if (fs::is_regular_file(entry->symlink_status(gone)) && typeOf(path))
+      sources_[path] = {{}, entry->path()};
   }
+  if (error)
+    throw Error(ErrorKind::NotFound,
+                "the page's folder " + folder.string() + " cannot be read as a whole: " + error.message());
 }
 
 std::optional<StaticFile> StaticFiles::find(const std::string& path) const {

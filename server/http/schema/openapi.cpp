@@ -30,6 +30,7 @@ constexpr const char* kDescription =
     "Content-Length and no "
     "Content-Encoding; ranges are not served.";
 
+/// Beside those for keys, sites and conditions.
 constexpr std::string_view kCommonStatuses = "400 405 414 431 503";
 
 std::vector<std::string> words(std::string_view text, char separator = ' ') {
@@ -191,6 +192,7 @@ Json responsesOf(const RouteRow& route, const std::string& method) {
   std::string statuses = std::string(route.statuses) + ' ' + std::string(kCommonStatuses);
   if (!route.anyHost) statuses += " 403 421";
   if (route.needsKey) statuses += " 401";
+  if (method != "OPTIONS") statuses += " 412";
   auto sorted = words(statuses);
   std::sort(sorted.begin(), sorted.end());
   for (const std::string& status : sorted) {

@@ -135,13 +135,18 @@ constexpr const char* kSchemas = R"json({
 
 nlohmann::ordered_json answerSchemas() {
   nlohmann::ordered_json schemas = nlohmann::ordered_json::parse(kSchemas);
-  nlohmann::ordered_json limits{{"type", "object"}, {"required", {"deadline_seconds", "connections"}}};
+  nlohmann::ordered_json limits{{"type", "object"},
+                                {"required", {"deadline_seconds", "connections", "explicit_triangles"}}};
   for (const LimitRow& row : limitRows()) {
     limits["properties"][row.name] = {{"const", row.value}, {"description", row.about}};
     limits["required"].push_back(row.name);
   }
   limits["properties"]["deadline_seconds"] = {{"type", "number"}, {"description", "of one request"}};
   limits["properties"]["connections"] = {{"type", "integer"}, {"description", "open at one time"}};
+  limits["properties"]["explicit_triangles"] = {
+      {"type", "integer"},
+      {"description", "of a scene with rounding=mesh:K, each mesh counted once: as many as the memory for "
+                      "prepared scenes holds"}};
   limits["additionalProperties"] = false;
   schemas["Info"]["properties"]["limits"] = limits;
   return schemas;

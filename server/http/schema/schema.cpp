@@ -1,7 +1,6 @@
 #include "server/http/schema/schema.h"
 
 #include "server/http/routes/problem.h"
-#include "server/render/surface/rounded_mesh.h"
 
 #include <charconv>
 #include <cmath>
@@ -70,7 +69,6 @@ constexpr LimitRow kLimits[] = {
     {"head_bytes", kMaxHeadBytes, "of a request's head"},
     {"header_fields", kMaxHeaderFields, "of a request's head"},
     {"target_bytes", kMaxTargetBytes, "of a request's path and query"},
-    {"explicit_triangles", kMostRoundedTriangles, "of a scene with rounding=mesh:K, each mesh counted once"},
     {"preview_bytes", kMaxPreviewBytes, "of a scene's preview.glb; larger ones are not made"},
 };
 

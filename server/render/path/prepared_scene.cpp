@@ -74,9 +74,12 @@ std::vector<std::shared_ptr<const Rounding>> chooseRoundings(const Scene& scene,
 
 std::vector<MeshForm> chooseForms(const Scene& scene, const RoundingChoice& choice,
                                   const std::vector<std::shared_ptr<const Rounding>>& roundings,
-                                  const std::function<bool()>& cancelled) {
+                                  const std::function<bool()>& cancelled, const MeshBudget& budget) {
   std::vector<MeshForm> forms(roundings.size());
-  if (choice.mode == RoundingMode::Mesh) checkSegments(roundings, choice.count);
+  if (choice.mode == RoundingMode::Mesh) {
+    const std::uint64_t bytes = explicitBytes(roundings, choice.count, budget.bytes);
+    if (budget.reserve) budget.reserve(bytes);
+  }
   // Meshes of one file and radius share what is made of them.
   using Key = std::pair<const TriangleMesh*, const Rounding*>;
   std::map<Key, MeshForm> made;
@@ -136,11 +139,13 @@ std::size_t PreparedScene::tracedTriangles() const {
 }
 
 std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const RoundingChoice& choice,
-                                             unsigned threads, const std::function<bool()>& cancelled) {
+                                             unsigned threads, const std::function<bool()>& cancelled,
+                                             const MeshBudget& budget) {
   if (choice.mode == RoundingMode::Bevel && (choice.count < 1 || choice.count > kMostBevelProbes))
     throw Error(ErrorKind::OutOfRange, "a bevel takes 1 to " + std::to_string(kMostBevelProbes) +
                                            " probes, not " + std::to_string(choice.count));
-  auto forms = chooseForms(*scene, choice, chooseRoundings(*scene, choice, threads, cancelled), cancelled);
+  auto forms =
+      chooseForms(*scene, choice, chooseRoundings(*scene, choice, threads, cancelled), cancelled, budget);
   return std::make_shared<PreparedScene>(std::move(scene), std::move(forms), choice.count);
 }
 

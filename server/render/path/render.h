@@ -64,17 +64,27 @@ struct RayStatistics {
 
 /// Scene plus one rounding choice, ready to trace. Immutable, shared; may be costly to make (another radius).
 class PreparedScene;
+/// Memory for the explicit meshes of one prepared scene.
+struct MeshBudget {
+  std::uint64_t bytes = UINT64_MAX;
+  /// Told how many of them will be taken, before they are; may throw to refuse it.
+  std::function<void(std::uint64_t bytes)> reserve{};
+};
 /// Throws Error(RadiusTooLarge) naming the largest radius that works, Error(OutOfRange). `cancelled` is asked
 /// often, from any thread; true: Error(Cancelled).
 std::shared_ptr<const PreparedScene> prepare(std::shared_ptr<const Scene> scene, const RoundingChoice& choice,
                                              unsigned threads = 0,
-                                             const std::function<bool()>& cancelled = {});
+                                             const std::function<bool()>& cancelled = {},
+                                             const MeshBudget& budget = {});
 /// The tracer over the scene's own instances only (no studio ground): what POST .../rays asks.
 const Tracer& ownTracer(const PreparedScene& prepared);
 const Scene& sceneOf(const PreparedScene& prepared);
 std::size_t memoryBytes(const PreparedScene& prepared);
 /// Triangles that rays are tested against, over all instances (a mesh that is placed twice counts twice).
 std::size_t tracedTriangles(const PreparedScene& prepared);
+
+/// Samples of a pixel between two looks at `cancelled`; the first is before its first sample.
+inline constexpr unsigned kRenderAsksEvery = 256;
 
 struct RenderControl {
   unsigned threads = 0;                       ///< 0: all cores

@@ -32,8 +32,7 @@ RayStatistics& RayStatistics::operator+=(const RayStatistics& o) {
 
 namespace {
 
-constexpr unsigned kBlock = 16;     ///< pixels along a block's side
-constexpr unsigned kAskEvery = 256; ///< samples between two looks at `cancelled`
+constexpr unsigned kBlock = 16; ///< pixels along a block's side
 
 void validate(const RenderSettings& s, const TileRect& t) {
   const auto fail = [](const std::string& what) { throw Error(ErrorKind::OutOfRange, what); };
@@ -106,7 +105,7 @@ private:
   void renderPixel(unsigned x, unsigned y, RayStatistics& statistics) {
     double r = 0, g = 0, b = 0, alpha = 0;
     for (unsigned s = settings_.firstSample; s < settings_.endSample; ++s) {
-      if (control_.cancelled && (s - settings_.firstSample) % kAskEvery == 0 &&
+      if (control_.cancelled && (s - settings_.firstSample) % kRenderAsksEvery == 0 &&
           (stop_ || control_.cancelled()))
         throw Error(ErrorKind::Cancelled, "the render was cancelled");
       const AovSample sample = renderSample(tile_.x + x, tile_.y + y, s, statistics);

@@ -6,13 +6,6 @@
 #include <algorithm>
 
 namespace chamfer {
-namespace {
-
-/// Some gigabytes: a triangle takes about 150 bytes with its share of vertices, normals and hierarchy.
-constexpr double kBytesPerTriangle = 150;
-
-} // namespace
-
 RoundedMesh::RoundedMesh(const TriangleMesh& original, const RoundingView& rounding, unsigned segments,
                          const std::function<bool()>& cancelled) {
   ExplicitMesh made = explicitMesh(rounding, original, segments, cancelled);
@@ -40,7 +33,8 @@ std::size_t RoundedMesh::memoryBytes() const {
          mesh_->triangles.size() * (4 * sizeof(std::uint32_t) + sizeof(Feature));
 }
 
-void checkSegments(const std::vector<std::shared_ptr<const Rounding>>& roundings, unsigned segments) {
+std::uint64_t explicitBytes(const std::vector<std::shared_ptr<const Rounding>>& roundings, unsigned segments,
+                            std::uint64_t mostBytes) {
   ExplicitMeshSize size;
   std::vector<const Rounding*> seen;
   for (const auto& r : roundings) {
@@ -49,17 +43,18 @@ void checkSegments(const std::vector<std::shared_ptr<const Rounding>>& roundings
     size += ExplicitMeshSize(r->view());
   }
   const std::uint64_t triangles = size.triangles(segments);
-  if (triangles <= kMostRoundedTriangles) return;
+  const std::uint64_t limit = std::min(kMostRoundedTriangles, mostBytes / kBytesPerRoundedTriangle);
+  if (triangles <= limit) return triangles * kBytesPerRoundedTriangle;
   unsigned most = segments;
-  while (most > 0 && size.triangles(most) > kMostRoundedTriangles)
+  while (most > 0 && size.triangles(most) > limit)
     --most;
   char text[256];
   std::snprintf(
       text, sizeof text,
       "rounding \"mesh:%u\" would make %llu triangles of this scene, about %.1f GB; the limit is %llu "
       "triangles: ",
-      segments, static_cast<unsigned long long>(triangles), double(triangles) * kBytesPerTriangle * 1e-9,
-      static_cast<unsigned long long>(kMostRoundedTriangles));
+      segments, static_cast<unsigned long long>(triangles),
+      double(triangles * kBytesPerRoundedTriangle) * 1e-9, static_cast<unsigned long long>(limit));
   throw Error(ErrorKind::OutOfRange,
               text + (most > 0 ? "use mesh:" + std::to_string(most) + " or fewer segments"
                                : std::string("use rounding analytic")))

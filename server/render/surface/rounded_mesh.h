@@ -37,12 +37,16 @@ private:
   std::vector<Feature> features_;      ///< by triangle
 };
 
-/// Triangles that a rounding of explicit meshes may have: about 150 bytes each, with their hierarchy.
+/// Triangles that a rounding of explicit meshes may have, wherever there is memory for them.
 inline constexpr std::uint64_t kMostRoundedTriangles = 16'000'000;
+/// What one of them takes at most: about 120 bytes with its share of vertices, normals and hierarchy, and the
+/// rest while the hierarchy is built (measured on 0.2 to 10 million triangles).
+inline constexpr std::uint64_t kBytesPerRoundedTriangle = 160;
 
-/// Refuses a choice of segments that would make too many triangles of the scene's meshes, each counted once.
-/// `roundings` by mesh, null where it stays sharp. Throws Error(OutOfRange) with the number of triangles, the
-/// limit and the largest number of segments within it.
-void checkSegments(const std::vector<std::shared_ptr<const Rounding>>& roundings, unsigned segments);
+/// Bytes that explicit meshes of so many segments will take, each mesh counted once. `roundings` by mesh,
+/// null where it stays sharp. Throws Error(OutOfRange) when that is more than `mostBytes`, or the triangles
+/// are too many, with their number, the limit and the largest number of segments within it.
+std::uint64_t explicitBytes(const std::vector<std::shared_ptr<const Rounding>>& roundings, unsigned segments,
+                            std::uint64_t mostBytes);
 
 } // namespace chamfer
