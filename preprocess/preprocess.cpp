@@ -45,7 +45,7 @@ std::string placeOfFault(const TriangleMesh& mesh, const Component& component, c
   if (fault.kind == FaultKind::Concave &&
       warp.distance > InputTolerances{}.planarity * component.bounds.diagonal())
     text += ", which is warped: its " + std::to_string(warp.corners) + " corners lie up to " +
-            lengthText(warp.distance) + " off one plane";
+            numberText(warp.distance) + " off one plane";
   return text;
 }
 

@@ -193,7 +193,10 @@ TEST(MeshMaterial, EveryKindOfImageIsTheSamePicture) {
   const fs::path folder = kReports / "texture-kinds";
   if (!fs::is_directory(folder)) GTEST_SKIP() << "the reports are not beside the project";
   const auto read = [&](const std::string& name) {
-    return readTexture(folder / name, PixelEncoding::Automatic, name);
+    std::vector<std::string> warnings;
+    Texture texture = readTexture(folder / name, PixelEncoding::Automatic, name, warnings);
+    EXPECT_THAT(warnings, testing::IsEmpty()) << name;
+    return texture;
   };
   const struct {
     const char *kind, *plain;

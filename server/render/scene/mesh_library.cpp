@@ -129,10 +129,11 @@ const MeshLibrary::Geometry& MeshLibrary::hulled(std::shared_ptr<const TriangleM
   return entry->second;
 }
 
-const MeshLibrary::Geometry* MeshLibrary::withHulls(const Geometry& geometry) {
+const MeshLibrary::Geometry* MeshLibrary::withHulls(const Geometry& geometry,
+                                                    const RoundingOptions& options) {
   SceneMesh mesh;
   mesh.mesh = geometry.mesh;
-  mesh.options.onNonConvex = OnNonConvex::Hull;
+  mesh.options = options; // decide which components are convex as they are
   try {
     const PreprocessResult result = round(mesh, {1e-6, true}, threads_);
     return result.mesh ? &hulled(result.mesh) : nullptr;
@@ -153,7 +154,7 @@ std::shared_ptr<const Rounding> MeshLibrary::sidecar(const MeshDescription& d, c
     auto rounding = loadSidecar(file);
     its = &g;
     if (rounding->meshDigest() != g.geometry) {
-      its = withHulls(g);
+      its = withHulls(g, rounding->options());
       if (!its || rounding->meshDigest() != its->geometry)
         rounding = loadSidecar(file, &g.geometry); // says that it is stale
     }

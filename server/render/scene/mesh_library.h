@@ -51,8 +51,8 @@ private:
                                           std::vector<std::string>& warnings, const Geometry*& its);
   /// What a file's mesh becomes where components of it are rounded as their hulls (PreprocessResult::mesh).
   const Geometry& hulled(std::shared_ptr<const TriangleMesh> mesh);
-  /// The same for a mesh; null where there are none.
-  const Geometry* withHulls(const Geometry& geometry);
+  /// The same for a mesh, rounded with these options; null where there are none.
+  const Geometry* withHulls(const Geometry& geometry, const RoundingOptions& options);
 
   std::filesystem::path root_, base_;
   unsigned threads_;
