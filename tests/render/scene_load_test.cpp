@@ -233,5 +233,35 @@ TEST(Camera, RaysGoThroughTheirPixels) {
   }
 }
 
+TEST(LoadScene, CoordinatesThatRaysCannotReachAreRefusedByName) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& instances, const std::string& lights = "[]") {
+    return test::thrownBy([&] {
+      const auto scene = loadText(folder, R"({"meshes":[{"name":"cube","file":"cube.obj","radius":0.1},
+        {"name":"far","file":"cube.obj"}],"instances":[)" +
+                                              instances + R"(],"lights":)" + lights + "}");
+      // What is taken can be rendered.
+      RenderSettings s;
+      s.width = s.height = 4;
+      EXPECT_EQ(renderTile(*prepare(scene, {}), s, {0, 0, 4, 4}).statistics.nonFiniteSamples, 0u);
+    });
+  };
+  const std::string one = R"({"mesh":"cube"})";
+  using testing::HasSubstr;
+  for (const char* culprit :
+       {R"({"mesh":"far","scale":1e20})", R"({"mesh":"far","scale":1e-20})",
+        R"({"mesh":"far","translate":[0,-1e20,0]})", R"({"mesh":"far","scale":[1,1,1e18]})",
+        R"({"mesh":"far","repeat":[{"count":2,"step":[3e15,0,0]}]})"})
+    EXPECT_THAT(refusal(one + "," + culprit), testing::AllOf(HasSubstr("(mesh \"far\")"), HasSubstr("scale")))
+        << culprit;
+  EXPECT_THAT(refusal(one, R"([{"type":"area","center":[0,0,1e20],"u":[1,0,0],"v":[0,1,0],"emission":1}])"),
+              HasSubstr("area light 0"));
+  EXPECT_THAT(refusal(one, R"([{"type":"point","position":[0,0,1e20],"intensity":1}])"),
+              HasSubstr("point light 0"));
+  for (const char* fine : {R"({"mesh":"far","scale":1e12})", R"({"mesh":"far","scale":1e-12})",
+                           R"({"mesh":"far","translate":[0,-1e14,0]})"})
+    EXPECT_EQ(refusal(one + "," + fine), "nothing") << fine;
+}
+
 } // namespace
 } // namespace chamfer

@@ -3,6 +3,7 @@
 #include "server/http/schema/schema.h"
 #include "server/http/version.h"
 #include "server/render/surface/rounded_mesh.h"
+#include "server/render/tracing/tracer.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -30,7 +31,7 @@ Response openApiRoute(const Parts& parts, const Request& request) {
 Response infoRoute(const Parts& parts, const Request& request) {
   const RenderQueue::State queue = parts.queue.state();
   const PreparedCache::State cache = parts.cache.state();
-  Json info{{"name", "chamferd"}, {"version", kVersion}};
+  Json info{{"name", "chamferd"}, {"version", kVersion}, {"ray_instruction_set", rayInstructionSet()}};
   info["formats"] = {{"tiles", {"f16", "exr", "png"}}, {"frames", {"exr", "png"}}};
   for (const LimitRow& row : limitRows())
     info["limits"][row.name] = row.value;

@@ -25,10 +25,11 @@ constexpr const char* kSchemas = R"json({
     "request_id": {"type": "string"}}},
 "Info": {
   "type": "object", "additionalProperties": false,
-  "required": ["name", "version", "formats", "limits", "parameters", "queue", "prepared_scenes"],
+  "required": ["name", "version", "ray_instruction_set", "formats", "limits", "parameters", "queue", "prepared_scenes"],
   "properties": {
     "name": {"const": "chamferd"},
     "version": {"type": "string"},
+    "ray_instruction_set": {"type": "string", "description": "that rays are traced with; fixed, so that a tile has the same bytes on every node"},
     "formats": {"type": "object", "required": ["tiles", "frames"], "additionalProperties": {"type": "array", "items": {"type": "string"}}},
     "limits": {},
     "parameters": {"type": "array", "items": {

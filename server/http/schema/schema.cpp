@@ -1,5 +1,6 @@
 #include "server/http/schema/schema.h"
 
+#include "common/sidecar.h"
 #include "server/http/routes/problem.h"
 
 #include <charconv>

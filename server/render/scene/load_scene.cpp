@@ -63,7 +63,10 @@ public:
       for (std::uint32_t i = 0; i < d.meshes.size(); ++i) // not placed, and yet to be right
         if (d.meshes[i].worldRadius && !stretched_.contains(i))
           at(d.meshes[i].path, [&] { addMesh(d.meshes[i]); });
+      checkCoordinates(scene_->instances, [this](std::size_t k) { return nameOfInstance(k); });
       addLights(d);
+      checkCoordinates(data_->extraInstances,
+                       [](std::size_t k) { return "area light " + std::to_string(k); });
     } catch (const Error& e) {
       throw Error(e.kind(), file + ": " + e.what());
     }
@@ -80,6 +83,7 @@ public:
           "there is no sidecar beside the mesh: it stays sharp until a radius is given");
     identity_ += up == UpAxis::Y ? "studio, y up" : "studio";
     addInstance(0, kNone, uprightFrom(up));
+    checkCoordinates(scene_->instances, [&](std::size_t) { return fileInQuotes(file); });
     addStudio(*data_, scene_->meshes.size(), scene_->bounds);
     return finish({});
   }
@@ -266,7 +270,18 @@ private:
     }
   }
 
+  /// By the scene's list of instances, which repeats make longer than the file's.
+  std::string nameOfInstance(std::size_t k) const {
+    return "instance " + std::to_string(k) + " (mesh " +
+           inQuotes(scene_->meshes[data_->instanceSource[k].mesh].name) + ")";
+  }
+
   void addLights(const SceneDescription& d) {
+    for (std::size_t i = 0; i < d.pointLights.size(); ++i)
+      if (!(length(Vector3(d.pointLights[i].position)) <= kLargestCoordinate))
+        throw Error(ErrorKind::OutOfRange, "point light " + std::to_string(i) + " is farther than " +
+                                               numberText(kLargestCoordinate) +
+                                               " from the origin: take a directional light");
     for (std::size_t i = 0; i < d.areaLights.size(); ++i) {
       const AreaLightDescription& a = d.areaLights[i];
       Material material;

@@ -11,6 +11,7 @@
 #include "server/render/tracing/trace_query.h"
 
 #include "common/error.h"
+#include "common/text.h"
 
 #include <map>
 #include <tuple>
@@ -47,6 +48,27 @@ void intersectFilter(const RTCFilterFunctionNArguments* args) {
 void occludedFilter(const RTCFilterFunctionNArguments* args) {
   TraceQuery& query = reinterpret_cast<Context*>(args->context)->query;
   if (!query.isBlockedBy(metTriangle(args))) args->valid[0] = 0;
+}
+
+/// An upper bound of what the transform makes of lengths: the Frobenius norm of its linear part.
+double norm(const Transform& t) {
+  double square = 0;
+  for (const auto& row : t.rows())
+    for (std::size_t k = 0; k < 3; ++k)
+      square += row[k] * row[k];
+  return std::sqrt(square);
+}
+Bounds3 worldBounds(std::span<const TracedInstance> instances) {
+  Bounds3 bounds;
+  for (const TracedInstance& i : instances) {
+    const Bounds3& b = i.mesh->bounds();
+    if (b.empty()) continue;
+    for (int corner = 0; corner < 8; ++corner)
+      bounds.extend(
+          i.worldFromObject(Point3(corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
+                                   corner & 4 ? b.upper.z : b.lower.z)));
+  }
+  return bounds;
 }
 
 /// All solids that a point may be in.
@@ -101,17 +123,10 @@ bool nearFilter(RTCPointQueryFunctionArguments* args) {
 class EmbreeTracer final : public Tracer {
 public:
   explicit EmbreeTracer(std::vector<TracedInstance> instances) : owned_(std::move(instances)) {
-    for (const TracedInstance& i : owned_)
-      for (int corner = 0; corner < 8; ++corner) {
-        const Bounds3& b = i.mesh->bounds();
-        if (b.empty()) continue;
-        bounds_.extend(
-            i.worldFromObject(Point3(corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
-                                     corner & 4 ? b.upper.z : b.lower.z)));
-      }
+    checkCoordinates(owned_, [](std::size_t k) { return "instance " + std::to_string(k); });
+    bounds_ = worldBounds(owned_);
     centre_ = bounds_.empty() ? Vector3() : Vector3(bounds_.centre());
     reach_ = 0.5 * bounds_.diagonal();
-    checkCoordinates();
     instances_.reserve(owned_.size());
     for (const TracedInstance& i : owned_) {
       instances_.push_back(rayInstance(i));
@@ -263,22 +278,6 @@ private:
     RayForm ray;
   };
 
-  /// Embree ends the process over coordinates beyond 1.8e18, in an instance's frame too.
-  void checkCoordinates() const {
-    for (std::size_t k = 0; k < owned_.size(); ++k) {
-      const TracedInstance& i = owned_[k];
-      const Bounds3& b = i.mesh->bounds();
-      if (b.empty()) continue;
-      const double world = norm(i.worldFromObject), object = norm(i.worldFromObject.inverse());
-      const double size = std::max({reach_, length(i.worldFromObject(b.centre()) - Point3(centre_)),
-                                    world * b.diagonal(), b.diagonal(), object * reach_, world, object});
-      if (!(size <= kLargestCoordinate))
-        throw Error(ErrorKind::OutOfRange,
-                    "instance " + std::to_string(k) + " is placed or scaled so that coordinates reach " +
-                        std::to_string(size) + "; rays can be traced up to 1e15: scale the scene");
-    }
-  }
-
   RayInstance rayInstance(const TracedInstance& i) {
     auto& form = forms_[{i.mesh.get(), i.rounding.get(), i.transmits}];
     if (!form) {
@@ -379,14 +378,6 @@ private:
     return r;
   }
 
-  /// An upper bound of what the transform makes of lengths: the Frobenius norm of its linear part.
-  static double norm(const Transform& t) {
-    double square = 0;
-    for (const auto& row : t.rows())
-      for (std::size_t k = 0; k < 3; ++k)
-        square += row[k] * row[k];
-    return std::sqrt(square);
-  }
   /// An upper bound of the diameter of an instance's solids in the world.
   static double worldDiameter(const RayInstance& in) {
     double largest = 0;
@@ -409,6 +400,30 @@ private:
 };
 
 } // namespace
+
+void checkCoordinates(std::span<const TracedInstance> instances,
+                      const std::function<std::string(std::size_t)>& nameOf) {
+  const auto check = [&](std::size_t k, double reach) {
+    if (!(reach <= kLargestCoordinate))
+      throw Error(ErrorKind::OutOfRange, nameOf(k) + " is placed or scaled so that coordinates reach " +
+                                             numberText(reach) + "; rays can be traced up to " +
+                                             numberText(kLargestCoordinate) +
+                                             ": scale the scene, or leave it out");
+  };
+  // What is too large by itself comes before what is only too small beside it.
+  for (std::size_t k = 0; k < instances.size(); ++k) {
+    const TracedInstance& i = instances[k];
+    const Bounds3& b = i.mesh->bounds();
+    if (b.empty()) continue;
+    const double world = norm(i.worldFromObject), object = norm(i.worldFromObject.inverse());
+    check(k, std::max({world * b.diagonal(), b.diagonal(), world, object,
+                       length(Vector3(i.worldFromObject(b.centre())))}));
+  }
+  const Bounds3 bounds = worldBounds(instances);
+  for (std::size_t k = 0; k < instances.size(); ++k)
+    if (!instances[k].mesh->bounds().empty())
+      check(k, norm(instances[k].worldFromObject.inverse()) * bounds.diagonal());
+}
 
 std::shared_ptr<const Tracer> makeTracer(std::vector<TracedInstance> instances) {
   return std::make_shared<EmbreeTracer>(std::move(instances));

@@ -94,6 +94,10 @@ public:
 /// The largest coordinate that a scene may have, in the world and in every mesh's frame: Embree takes none
 /// much larger.
 inline constexpr double kLargestCoordinate = 1e15;
+/// Checks that every mesh, and the whole scene as every mesh's frame has it, stays within kLargestCoordinate.
+/// Throws Error(OutOfRange) that names the first instance which does not, as `nameOf(its index)` says.
+void checkCoordinates(std::span<const TracedInstance> instances,
+                      const std::function<std::string(std::size_t)>& nameOf);
 
 /// Builds the top level over the instances (mesh hierarchies are shared, not rebuilt). Throws
 /// Error(OutOfRange) that names an instance which reaches beyond kLargestCoordinate.
