@@ -148,11 +148,19 @@ bool holdsSolid(const RoundingView& view, std::uint32_t outer, std::uint32_t inn
   const double quantum = sphereQuantum(i), noise = 0x1p-20 * std::max(o.boundRadius, i.boundRadius);
   for (std::uint32_t f = o.firstFacet; f < view.solids[outer + 1].firstFacet; ++f) {
     const Vector3 n(view.facets[f].normal);
+    if (dot(n, shift) + double(i.boundRadius) <= double(view.facets[f].offset))
+      continue; // its ball is inside
     const double most = double(view.facets[f].offset) - double(i.radius) + noise - dot(n, shift);
     for (std::uint32_t s = i.firstSphere; s < view.solids[inner + 1].firstSphere; ++s)
       if (dot(n, decodeSphere(view.spheres[s], quantum)) > most) return false;
   }
   return true;
+}
+
+bool isDeepIn(const RoundingView& view, std::uint32_t solid, const Point3& point, double radius) {
+  return hasFewFacets(view, solid) &&
+         withinPlanes(view, solid, Vector3(point) - solidOrigin(view.solids[solid]),
+                      double(view.solids[solid].radius) + radius);
 }
 
 std::optional<RoundedEnd> firstEndBeyond(const RoundingView& view, const Candidate& candidate, const Ray& ray,

@@ -86,6 +86,9 @@ std::optional<RoundedInterval> intervalFrom(const RoundingView& view, std::uint3
 bool inUnroundedSolid(const RoundingView& view, std::uint32_t solid, const Point3& point);
 /// The same in bounded time: of a solid with many facets true may be said of a point beside it.
 bool maybeInUnroundedSolid(const RoundingView& view, std::uint32_t solid, const Point3& point);
+/// Is the ball about a point of the mesh's frame inside R, surely? False without looking where a solid has
+/// many facets.
+bool isDeepIn(const RoundingView& view, std::uint32_t solid, const Point3& point, double radius);
 /// Does `outer`'s P hold the whole of `inner`'s R, for all that float32 can tell? Both are of the view.
 bool holdsSolid(const RoundingView& view, std::uint32_t outer, std::uint32_t inner);
 

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <gmock/gmock.h>
+#include <iterator>
+#include <sstream>
 
 namespace chamfer {
 namespace {
@@ -256,6 +258,85 @@ TEST(WhiteRoom, ALensAcrossASurfaceSeesBothSides) {
   camera.apertureDiameter = 0.05;
   const Extremes e = render(loaded, camera, 8, 1024);
   EXPECT_NEAR(e.mean, (1 + 1.2 * 1.2) / 2, 0.02);
+}
+
+std::string turnedInsideOut(const std::string& obj) {
+  std::istringstream in(obj);
+  std::string line, out;
+  while (std::getline(in, line)) {
+    if (line.starts_with("f ")) {
+      std::istringstream words(line.substr(2));
+      std::vector<std::string> corners{std::istream_iterator<std::string>(words), {}};
+      line = "f";
+      for (auto c = corners.rbegin(); c != corners.rend(); ++c)
+        line += " " + *c;
+    }
+    out += line + "\n";
+  }
+  return out;
+}
+
+TEST(WhiteRoom, HidesGlassThatIsWoundInsideOut) {
+  const TemporaryFolder folder;
+  folder.write("turned.obj", turnedInsideOut(test::cubeObj()));
+  const auto loaded =
+      loadText(folder, R"({"meshes":[{"name":"cube","file":"turned.obj","rounding":false}],"materials":[)" +
+                           std::string(kGlasses) + R"(],"instances":[{"mesh":"cube","material":"crown"}],)" +
+                           kWhiteRoom + "}");
+  const Extremes e = render(loaded, lookAt({2.4, -2.9, 1.7}, {0, 0, 0}, 20), 32, 16);
+  EXPECT_GE(e.mean, 0.995);
+  EXPECT_LE(e.most, 1 + 1e-4);
+}
+
+TEST(Absorption, OfAHollowSolidIsThatOfItsWalls) {
+  const TemporaryFolder folder;
+  // A box in a box, wound inside out: a hole. Its faces' indices follow those of the outer box.
+  std::string inner = turnedInsideOut(test::boxObj({-0.4, -0.4, -0.4}, {0.4, 0.4, 0.4})), shifted;
+  std::istringstream lines(inner);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("f ")) {
+      std::istringstream words(line.substr(2));
+      line = "f";
+      for (int corner; words >> corner;)
+        line += " " + std::to_string(corner + 8);
+    }
+    shifted += line + "\n";
+  }
+  folder.write("hollow.obj", test::cubeObj() + shifted);
+  const auto loaded =
+      loadText(folder, R"({"meshes":[{"name":"cube","file":"hollow.obj","rounding":false}],"materials":[)" +
+                           std::string(kHaze) + R"(],"instances":[{"mesh":"cube","material":"haze"}],)" +
+                           kWhiteRoom + "}");
+  const Extremes e = render(loaded, lookAt({-3, 0.01, 0.02}, {0, 0.01, 0.02}, 1e-2), 4, 4096);
+  EXPECT_NEAR(e.mean, std::exp(-0.7 * 0.2), 2e-3);
+}
+
+TEST(Absorption, ReachesLightThatIsSampledAcrossSurfacesBetweenEqualMedia) {
+  // A point light cannot be met by chance: one body of water, or two that touch or overlap, must not differ.
+  const TemporaryFolder folder;
+  const auto mean = [&](const char* instances) {
+    const auto loaded = loadText(folder, scene(std::string(kGlasses) + "," + kHaze, instances, true,
+                                               R"("lights":[{"type":"environment","color":0},
+                                                  {"type":"point","position":[1,0.1,0.3],"intensity":1}])"));
+    Camera camera = lookAt({-0.45, 0.1, 0.3}, {0, 0, -0.4}, 60);
+    return render(loaded, camera, 16, 64).mean;
+  };
+  const std::string block = R"(,{"mesh":"cube","material":"white","scale":0.2,"translate":[0,0,-0.3]})";
+  const double one =
+      mean((R"({"mesh":"cube","material":"haze","scale":[3,3,3],"translate":[1,0,0]})" + block).c_str());
+  const double touching = mean(
+      (R"({"mesh":"cube","material":"haze","scale":[1,3,3]},{"mesh":"cube","material":"haze","scale":[2,3,3],
+             "translate":[1.5,0,0]})" +
+       block)
+          .c_str());
+  const double sunk = mean(
+      (R"({"mesh":"cube","material":"haze","scale":[1,3,3]},{"mesh":"cube","material":"haze","scale":[2.4,3,3],
+             "translate":[1.3,0,0]})" +
+       block)
+          .c_str());
+  EXPECT_GT(one, 0.0005);
+  EXPECT_NEAR(touching, one, 1e-4 * one);
+  EXPECT_NEAR(sunk, one, 1e-4 * one);
 }
 
 /// The crossings along a ray, as media see them, with what passes unbent.

@@ -145,7 +145,7 @@ float TriangleLights::foundPdf(const TraceHit& hit, const Ray& ray) const {
   const std::uint32_t index = emitters_.find(hit.instance, hit.triangle);
   if (index == kNone) return 0;
   const EmissiveTriangle& light = emitters_.triangles()[index];
-  if (hit.solid == kNone) {
+  if (light.solid == kNone) {
     if (light.oneSided && !(dot(cross(light.edge1, light.edge2), light.corner - ray.origin) < 0)) return 0;
     const double chance = chanceOf(index, ray.origin);
     if (const auto near = nearTriangle(light, ray.origin)) return float(chance / near->solidAngle());

@@ -24,10 +24,10 @@ const Material* Media::at(const PathState& state, const Vector3& direction) cons
   for (const PathState::Place& p : state.places) {
     if (p.solid == kNone || !state.inside(p, direction)) continue;
     const Material& m = surfaces_.material(p.instance, p.triangle);
-    if (!(m.transmission > 0)) continue;
+    if (!(m.transmission > 0)) continue; // a room's, a lamp's
     if (first && !displaces(p.instance, p.solid, first->instance, first->solid)) continue;
     first = &p;
-    medium = &m;
+    medium = tracer_.isCavity(p.instance, p.solid) ? nullptr : &m;
   }
   return medium;
 }

@@ -77,22 +77,47 @@ private:
   Bsdf bsdf_;
 };
 
-bool PathTracer::reaches(const Vertex& vertex, const LightSample& light, RayCount& count) const {
+bool PathTracer::reaches(const Vertex& vertex, const LightSample& light, RayCount& count,
+                         Color& through) const {
   const Ray ray{vertex.position(), light.toLight};
   ++count.traced;
   Feature blocker = Feature::Flat;
-  bool reached;
-  if (light.solid == kNone) {
-    reached = !tracer_.occluded(ray, vertex.state(), 0, light.tfar, &blocker);
-  } else {
-    const auto hit = tracer_.intersect(ray, vertex.state());
-    reached = hit && hit->instance == light.instance && hit->solid == light.solid;
-    if (!hit) return false; // past the rounded emitter, into the void
-    blocker = surfaces_.place(*hit).feature;
-  }
+  const bool reached = media_.at(vertex.state(), light.toLight) || light.solid != kNone
+                           ? reachesThrough(ray, vertex.state(), light, through, blocker)
+                           : !tracer_.occluded(ray, vertex.state(), 0, light.tfar, &blocker);
   count.hits += !reached;
   count.rounded += !reached && blocker != Feature::Flat;
   return reached;
+}
+
+/// Of a light that is a rounded solid, or as seen from inside a medium: surfaces between equal media do not
+/// stop it.
+bool PathTracer::reachesThrough(const Ray& ray, const PathState& from, const LightSample& light,
+                                Color& through, Feature& blocker) const {
+  const bool isSolid = light.solid != kNone;
+  const auto isLight = [&](const TraceHit& hit) {
+    return hit.instance == light.instance && hit.solid == light.solid;
+  };
+  const Material* medium = media_.at(from, ray.direction);
+  const double size = length(ray.direction), end = isSolid ? INFINITY : light.tfar;
+  Arrival arrival;
+  const PathState* state = &from;
+  double t = 0;
+  for (unsigned nothings = 0; nothings < kMostNothings; ++nothings) {
+    const auto hit = tracer_.intersect(ray, *state, t, end, &arrival);
+    if (!hit) {
+      if (std::isfinite(end)) through *= transmittance(medium, (end - t) * size);
+      return !isSolid; // else past the rounded emitter, into the void
+    }
+    through *= transmittance(medium, (hit->t - t) * size);
+    blocker = surfaces_.place(*hit).feature;
+    if (isSolid && (isLight(*hit) || std::any_of(arrival.touching.begin(), arrival.touching.end(), isLight)))
+      return true;
+    if (!media_.crossing(*hit, arrival, ray.direction).nothing) return false;
+    t = hit->t;
+    state = &arrival.state;
+  }
+  return false;
 }
 
 Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const Float2& u,
@@ -101,10 +126,9 @@ Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const 
   if (!(light.pdf > 0) || light.radiance.isBlack()) return {};
   const BsdfValue scattered = vertex.evaluate(light.toLight * (1 / length(light.toLight)));
   if (scattered.f.isBlack()) return {};
-  if (!reaches(vertex, light, statistics.shadow)) return {};
-  Color arriving = scattered.f * light.radiance;
-  if (const Material* medium = media_.at(vertex.state(), light.toLight); medium && std::isfinite(light.tfar))
-    arriving *= transmittance(medium, length(light.toLight));
+  Color through = grey(1);
+  if (!reaches(vertex, light, statistics.shadow, through)) return {};
+  const Color arriving = scattered.f * light.radiance * through;
   if (light.delta) return arriving;
   return arriving * (powerHeuristic(light.pdf, scattered.pdf) / light.pdf);
 }
@@ -123,9 +147,10 @@ Color PathTracer::radiance(Ray ray, const PathState& from, const Sampler& sample
   RayCount* count = &statistics.camera;
   Arrival arrival;
   const PathState* state = &from;
+  double start = 0; ///< beyond 0 where the ray has gone through surfaces that are none
   for (unsigned bounce = 0;;) {
     ++count->traced;
-    const auto hit = tracer_.intersect(ray, *state, 0, INFINITY, &arrival);
+    const auto hit = tracer_.intersect(ray, *state, start, INFINITY, &arrival);
     if (!hit)
       return sum + limited(throughput * lights_.escaped(Vector3f(ray.direction), scatterPdf), spread > 1);
     state = &arrival.state;
@@ -134,11 +159,10 @@ Color PathTracer::radiance(Ray ray, const PathState& from, const Sampler& sample
     const SurfacePlace& place = crossing.place;
     const Material& material = *place.material;
     count->rounded += place.rounded();
-    if (crossing.before) throughput *= transmittance(crossing.before, crossing.hit->t);
+    if (crossing.before) throughput *= transmittance(crossing.before, crossing.hit->t - start);
     if (crossing.nothing) {
       if (++nothings > kMostNothings) return sum;
-      ray.origin = crossing.hit->position;
-      scatterPdf = 0; // a shadow ray would have ended here
+      start = crossing.hit->t;
       continue;
     }
     if (material.emits()) {
@@ -160,6 +184,7 @@ Color PathTracer::radiance(Ray ray, const PathState& from, const Sampler& sample
     const BsdfSample scattered = vertex.sample(choice.y, sampler.pair(pair + kScatterPair), ray.direction);
     if (!scattered.valid) return sum;
     ray.origin = crossing.hit->position;
+    start = 0;
     throughput *= scattered.weight;
     etaScale *= scattered.etaSquared;
     scatterPdf = scattered.pdf;

@@ -27,7 +27,10 @@ public:
 
 private:
   class Vertex;
-  bool reaches(const Vertex& vertex, const LightSample& light, RayCount& count) const;
+  /// Does the light come to the vertex? `through` is multiplied by what media leave of it.
+  bool reaches(const Vertex& vertex, const LightSample& light, RayCount& count, Color& through) const;
+  bool reachesThrough(const Ray& ray, const PathState& from, const LightSample& light, Color& through,
+                      Feature& blocker) const;
   Color directLight(const Vertex& vertex, const Float2& choice, const Float2& u,
                     RayStatistics& statistics) const;
 

@@ -147,7 +147,7 @@ private:
         addMeshMaterial(m, folder);
       for (const std::uint32_t m : mesh.materialOfTriangle)
         materials.ofTriangle.push_back(m == kNone ? SceneData::kDefaultMaterial : first + m);
-      for (std::size_t m = first; m < data_->materials.size(); ++m)
+      for (const std::uint32_t m : materials.ofTriangle)
         materials.transmits = materials.transmits || data_->materials[m].transmission > 0;
     }
     data_->meshMaterials.push_back(std::move(materials));

@@ -14,9 +14,13 @@ struct ClosedSolids {
 
   /// By the mesh's triangle: its solid, with kTurned perhaps; kNone: a triangle of an open surface.
   std::vector<std::uint32_t> ofTriangle;
-  std::vector<double> radius; ///< by solid: half the diagonal of its bounds, object units
+  struct Solid {
+    Bounds3 bounds; ///< object units
+    bool cavity;    ///< wound inside out, within the bounds of another: a hole in that
+  };
+  std::vector<Solid> solids;
 
-  std::size_t bytes() const { return 4 * ofTriangle.size() + 8 * radius.size(); }
+  std::size_t bytes() const { return 4 * ofTriangle.size() + sizeof(Solid) * solids.size(); }
 };
 
 /// The mesh's connected components that close, of any genus, welded where the file leaves them open

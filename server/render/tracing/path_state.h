@@ -36,7 +36,6 @@ public:
   Vector3 normal{}; ///< world: of the surface that Surface places are on; any side
 
   bool empty() const { return places.empty(); }
-  void clear() { places.clear(); }
   /// Does a ray along `direction` begin inside the solid?
   bool inside(const Place& place, const Vector3& direction) const {
     return place.at == At::Inside ||

@@ -8,6 +8,10 @@ namespace {
 constexpr double kTouch = 0x1p-21;
 /// Surfaces that the ray meets at a smaller cosine are compared as if it were this.
 constexpr double kLeastCosine = 1e-3;
+/// Solids with more are not looked at facet by facet.
+constexpr std::uint32_t kFewFacets = 64;
+/// Surfaces that touch are nearly parallel there.
+constexpr double kSameDirection = 0.999;
 
 double largest(const Vector3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
@@ -21,8 +25,7 @@ double TraceQuery::solidRadius(const Found& f) const {
   const RayInstance& in = (*instances)[f.instance];
   const std::uint32_t solid = solidOf(f);
   if (solid == kNone) return 0;
-  return double(in.worldScale) * (f.facet == kNone ? in.form->closed->radius[solid]
-                                                   : double(in.form->view->solids[solid].boundRadius));
+  return double(in.worldScale) * in.form->solidRadius(solid);
 }
 
 void TraceQuery::setEnd(Found& f, const RoundedEnd& end) const {
@@ -40,8 +43,9 @@ void TraceQuery::refine(Found& f) const {
   if (f.facet == kNone) {
     const auto& t = in.form->mesh->triangles[f.triangle];
     const auto& p = in.form->mesh->positions;
-    const Vector3 n = Vector3((*in.worldFromObject)(Normal3(cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]))));
-    f.normal = normalize(n);
+    f.normal =
+        normalize(Vector3((*in.worldFromObject)(Normal3(cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]])))));
+    if (turned(f)) f.normal = -f.normal;
     // Where the ray is along the triangle, Embree's place is as good.
     const double exact =
         dot(f.normal, (*in.worldFromObject)(p[t[0]]) - ray.origin) / dot(f.normal, ray.direction);
@@ -83,7 +87,7 @@ bool TraceQuery::meetsSharpClosely(const RayInstance& in, const MetTriangle& met
   if (in.form->closed) {
     const std::uint32_t entry = in.form->closed->ofTriangle[met.triangle];
     if (entry != kNone) {
-      found.solid = entry & ~ClosedSolids::kTurned;
+      found.solid = in.form->closedSolid(entry);
       const bool front = (slope < 0) == ((entry & ClosedSolids::kTurned) == 0);
       const bool inside = place && from->inside(*place, ray.direction);
       if (inside == front) return false; // only the far side of what the path is in, and near sides else
@@ -111,6 +115,28 @@ bool TraceQuery::beginsOnSurface(Found& found) {
   return true;
 }
 
+/// Is the triangle of a closed component that is wound inside out?
+bool TraceQuery::turned(const Found& f) const {
+  const ClosedSolids* closed = (*instances)[f.instance].form->closed;
+  if (f.facet != kNone || !closed) return false;
+  const std::uint32_t entry = closed->ofTriangle[f.triangle];
+  return entry != kNone && (entry & ClosedSolids::kTurned) != 0;
+}
+
+void TraceQuery::nameTriangle(const MetTriangle& met, std::uint32_t f) {
+  if (met.instance != best.instance || best.feature != Feature::Flat) return;
+  const auto& facets = (*instances)[met.instance].form->view->facets;
+  if (facets[f].solid != facets[best.facet].solid) return;
+  const Vector3 n =
+      normalize(Vector3((*(*instances)[met.instance].worldFromObject)(Normal3(Vector3(facets[f].normal)))));
+  if (!(dot(n, best.normal) > 0.9999)) return;
+  best.triangle = met.triangle;
+  best.facet = f;
+  best.u = met.u;
+  best.v = met.v;
+  best.guessed = false;
+}
+
 /// The normal-wise distance between surfaces at which they touch, along the ray.
 double TraceQuery::touchReach(const Found& f) const {
   const double cosine = std::abs(dot(f.normal, ray.direction));
@@ -118,7 +144,8 @@ double TraceQuery::touchReach(const Found& f) const {
 }
 
 bool TraceQuery::coincide(const Found& a, const Found& b) const {
-  return std::abs(a.t - b.t) <= std::max(touchReach(a), touchReach(b));
+  return std::abs(dot(a.normal, b.normal)) > kSameDirection &&
+         std::abs(a.t - b.t) <= std::max(touchReach(a), touchReach(b));
 }
 
 bool TraceQuery::acceptWithTouching(Found& f) {
@@ -166,18 +193,22 @@ void TraceQuery::beginInSlivers() {
     f.triangle = p.triangle;
     f.facet = p.firstFacet;
     setEnd(f, both->in);
+    f.guessed = true;
     if (!(f.t > tnear)) { // on the surface but for rounding, or past it
       const double reach = kTouch * solidRadius(f) / length(ray.direction);
       if (!(f.t >= tnear - reach / kLeastCosine && both->out.t > tnear + reach)) continue;
       f.t = tnear;
     }
-    accept(f);
+    if (accept(f)) limit = std::min(tfar, best.t + (near_ - tnear)); // so that its triangle is still met
   }
 }
 
 bool TraceQuery::outsideAt(const PathState::Place& p, double t) {
   const RayInstance& in = (*instances)[p.instance];
-  return !contains(*in.form->view, p.solid, rayFor(p.instance).at(t));
+  const RoundingView& view = *in.form->view;
+  if (p.endFacet - p.firstFacet <= kFewFacets) return !contains(view, p.solid, rayFor(p.instance).at(t));
+  const auto both = intervalFrom(view, p.firstFacet, rayFor(p.instance));
+  return both && t > both->out.t;
 }
 
 void TraceQuery::findFarSides() {
@@ -267,6 +298,16 @@ void TraceQuery::arrive(const TraceHit& h, Arrival& arrival) {
     return maybeInUnroundedSolid(*in.form->view, solid, in.worldFromObject->applyInverse(h.position));
   };
 
+  // Of a sharp solid Embree may miss the far side, along an edge.
+  const auto stillIn = [&](const PathState::Place& p) {
+    const RayInstance& in = (*instances)[p.instance];
+    const Bounds3& b = in.form->closed->solids[p.solid - in.form->firstClosed].bounds;
+    const Point3 at = in.worldFromObject->applyInverse(h.position);
+    const double doubt = 0x1p-20 * b.diagonal();
+    for (std::size_t k = 0; k < 3; ++k)
+      if (!(at[k] >= b.lower[k] - doubt && at[k] <= b.upper[k] + doubt)) return false;
+    return true;
+  };
   put(best, h.solid, true, PathState::At::Surface);
   arrival.touching.clear();
   for (Found& t : touching_) {
@@ -279,7 +320,8 @@ void TraceQuery::arrive(const TraceHit& h, Arrival& arrival) {
     if (p.solid == kNone || known(p.instance, p.solid)) continue;
     const bool inside =
         from->inside(p, ray.direction) && std::find(grazed_.begin(), grazed_.end(), &p) == grazed_.end();
-    if (!inside && (!p.rounded() || p.leavesFlat || !maybeIn(p.instance, p.solid))) continue;
+    if (inside ? !p.rounded() && !stillIn(p) : !p.rounded() || p.leavesFlat || !maybeIn(p.instance, p.solid))
+      continue;
     places.push_back(p);
     places.back().at = inside ? PathState::At::Inside : PathState::At::Sliver;
   }

@@ -22,11 +22,20 @@ namespace chamfer {
 
 /// A mesh with its rounding, or sharp, as rays see it; pointers into the tracer's own.
 struct RayForm {
-  const RoundingView* view;  ///< null: sharp
-  const TriangleFlat* flats; ///< by triangle; null: sharp
-  const TriangleMesh* mesh;
-  const ClosedSolids* closed; ///< of a sharp mesh that transmits, else null
-  bool transmits;
+  const RoundingView* view = nullptr;  ///< null: sharp
+  const TriangleFlat* flats = nullptr; ///< by triangle; null: sharp
+  const TriangleMesh* mesh = nullptr;
+  const ClosedSolids* closed = nullptr; ///< of a mesh that transmits: for its sharp triangles
+  std::uint32_t firstClosed = 0;        ///< solids from here on are those of `closed`
+  bool transmits = false;
+
+  std::uint32_t closedSolid(std::uint32_t entry) const {
+    return firstClosed + (entry & ~ClosedSolids::kTurned);
+  }
+  double solidRadius(std::uint32_t solid) const { ///< object units
+    return solid < firstClosed ? double(view->solids[solid].boundRadius)
+                               : 0.5 * closed->solids[solid - firstClosed].bounds.diagonal();
+  }
 };
 
 struct RayInstance {
@@ -49,6 +58,7 @@ struct Found {
   std::uint32_t instance = kNone, triangle = kNone;
   std::uint32_t facet = kNone; ///< kNone: a sharp triangle
   std::uint32_t solid = kNone; ///< of a sharp triangle of a closed component
+  bool guessed = false;        ///< the triangle is only one of the solid's, not the one that is met
   float u = 0, v = 0;
   bool exact = false; ///< `t`, `normal` and `feature` are final, else the place is where the plane is met
   Feature feature = Feature::Flat;
@@ -60,6 +70,7 @@ struct Found {
     triangle = met.triangle;
     facet = itsFacet;
     solid = kNone;
+    guessed = false;
     u = met.u;
     v = met.v;
     feature = Feature::Flat;
@@ -74,6 +85,7 @@ struct Found {
     triangle = o.triangle;
     facet = o.facet;
     solid = o.solid;
+    guessed = o.guessed;
     u = o.u;
     v = o.v;
     exact = o.exact;
@@ -128,6 +140,7 @@ public:
       if (f == kNone) {
         if (!meetsSharp(in, met, place, found)) return false;
       } else if (place) {
+        if (best.guessed) nameTriangle(met, f);
         if (!from->inside(*place, ray.direction) || !meetsFarSide(in, met, found)) return false;
       } else if (!meetsNearSide(in, met, found)) {
         return false;
@@ -207,7 +220,8 @@ private:
     if (place.rounded()) return false;
     if (place.solid == kNone) return place.triangle == triangle;
     const ClosedSolids* closed = (*instances)[i].form->closed;
-    return closed && (closed->ofTriangle[triangle] & ~ClosedSolids::kTurned) == place.solid;
+    return closed && closed->ofTriangle[triangle] != kNone &&
+           (*instances)[i].form->closedSolid(closed->ofTriangle[triangle]) == place.solid;
   }
 
   const Ray& rayFor(std::uint32_t i) {
@@ -275,11 +289,14 @@ private:
     return acceptWithTouching(found);
   }
   bool acceptWithTouching(Found& found);
+  bool turned(const Found& found) const;
   double touchReach(const Found& found) const;
   double solidRadius(const Found& found) const;
   std::uint32_t solidOf(const Found& found) const;
   bool coincide(const Found& a, const Found& b) const;
   TraceHit hitOf(const Found& found) const;
+  /// The best so far was found without a triangle: is this it?
+  void nameTriangle(const MetTriangle& met, std::uint32_t f);
   void lookAround(double doubt);
   void findFarSides();
   bool farSideBlocks();

@@ -1,12 +1,11 @@
 // Embree 3 behind tracer.h.
 //
 // Embree holds the unmodified meshes, float32, each about its own centre; the rounding is applied in filter
-// functions. A filter sees every triangle that a ray meets on its way. For a triangle of a rounded solid it
-// asks the rounding for the first end of the ray's interval in the solid (double arithmetic, the double ray)
-// and either rejects the triangle, so that the ray goes on through the sliver in the same traversal, or
-// accepts it and moves the ray's tfar to that end. The end lies at or behind the triangle, but before the
-// tfar that the traversal had, so tfar only ever decreases from one accepted hit to the next, which is what
-// the traversal relies on.
+// functions. A filter sees every triangle that a ray meets on its way and asks the query (trace_query.h) what
+// it means: a rejected triangle lets the ray go on in the same traversal, an accepted one ends it at the
+// rounding, which lies at or behind the triangle. The traversal's tfar is then the query's limit: where the
+// hit is, or a little beyond where surfaces that coincide with it matter. It only ever decreases, which is
+// what the traversal relies on.
 #include "server/render/tracing/embree_mesh.h"
 #include "server/render/tracing/trace_query.h"
 
@@ -75,6 +74,7 @@ Bounds3 worldBounds(std::span<const TracedInstance> instances) {
 struct PointQuery {
   RTCIntersectContext context;
   const std::vector<RayInstance>* instances;
+  Ray ray; ///< from the point itself, where Embree's begins before it
   struct Solid {
     std::uint32_t instance, solid, triangle, facet;
     int leaving; ///< of a sharp one: how often more the ray leaves it than it enters it
@@ -87,7 +87,6 @@ struct PointQuery {
 void insideFilter(const RTCFilterFunctionNArguments* args) {
   auto& q = *reinterpret_cast<PointQuery*>(args->context);
   const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
-  const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
   args->valid[0] = 0;
   const RayForm& form = *(*q.instances)[hit.instID[0]].form;
   std::uint32_t solid = kNone, facet = kNone;
@@ -95,13 +94,17 @@ void insideFilter(const RTCFilterFunctionNArguments* args) {
   if (form.flats) {
     facet = form.flats[hit.primID].facet;
     if (facet != kNone) solid = form.view->facets[facet].solid;
-  } else if (form.closed && form.closed->ofTriangle[hit.primID] != kNone) {
+  }
+  if (facet == kNone && form.closed && form.closed->ofTriangle[hit.primID] != kNone) {
     const std::uint32_t entry = form.closed->ofTriangle[hit.primID];
-    solid = entry & ~ClosedSolids::kTurned;
+    solid = form.closedSolid(entry);
     const auto& t = form.mesh->triangles[hit.primID];
     const auto& p = form.mesh->positions;
     const Vector3 n = cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]);
-    const bool along = dot(n, Vector3(ray.dir_x, ray.dir_y, ray.dir_z)) > 0;
+    const Ray object = (*q.instances)[hit.instID[0]].worldFromObject->applyInverse(q.ray);
+    const double slope = dot(n, object.direction);
+    if (!(dot(n, p[t[0]] - object.origin) / slope > 0)) return; // behind the point
+    const bool along = slope > 0;
     leaving = along == ((entry & ClosedSolids::kTurned) == 0) ? 1 : -1;
   }
   if (solid == kNone) return;
@@ -139,22 +142,39 @@ public:
   std::optional<TraceHit> intersect(const Ray& ray, const PathState& from, double tnear, double tfar,
                                     Arrival* arrival) const override {
     if (from.empty() && isFar(ray)) return intersectFromAfar(ray, tnear, tfar, arrival);
-    Context c = context(ray, from, tnear, tfar, &intersectFilter);
-    c.query.notesPassages |= arrival != nullptr;
-    search(c);
-    if (c.query.isBuried()) {
-      Arrival within;
-      c.query.arrive(c.query.hit(), within);
-      return intersect(ray, within.state, c.query.best.t, tfar, arrival);
+    if (!hasGoodLength(ray.direction)) {
+      const double size = length(ray.direction);
+      if (!(size > 0)) return std::nullopt;
+      auto hit = intersect({ray.origin, ray.direction / size}, from, tnear * size, tfar * size, arrival);
+      if (hit) hit->t /= size;
+      return hit;
     }
-    if (!c.query.found()) return std::nullopt;
-    const TraceHit hit = c.query.hit();
-    if (arrival) c.query.arrive(hit, *arrival);
-    return hit;
+    // Again from each wall within a union that the path is in.
+    Arrival within;
+    for (const PathState* state = &from;;) {
+      Context c = context(ray, *state, tnear, tfar, &intersectFilter);
+      c.query.notesPassages |= arrival != nullptr;
+      search(c);
+      if (!c.query.found()) return std::nullopt;
+      const bool buried = c.query.isBuried(); // may choose another hit
+      const TraceHit hit = c.query.hit();
+      if (!buried) {
+        if (arrival) c.query.arrive(hit, *arrival);
+        return hit;
+      }
+      c.query.arrive(hit, within);
+      state = &within.state;
+      tnear = hit.t;
+    }
   }
 
   bool occluded(const Ray& ray, const PathState& from, double tnear, double tfar,
                 Feature* blocker) const override {
+    if (!hasGoodLength(ray.direction)) {
+      const double size = length(ray.direction);
+      return size > 0 &&
+             occluded({ray.origin, ray.direction / size}, from, tnear * size, tfar * size, blocker);
+    }
     if (!from.empty() && inUnion(from, ray.direction)) {
       const auto hit = intersect(ray, from, tnear, tfar, nullptr);
       if (hit && blocker) *blocker = hit->feature;
@@ -180,6 +200,7 @@ public:
     q.instances = &instances_;
     // Begins a little before the point, so that it meets the far side also of a solid that the point is on.
     const Vector3 direction{0.8, 0.5, 0.33166}, o = Vector3(point) - centre_;
+    q.ray = {point, direction};
     const double before = 0x1p-18 * (length(o) + reach_);
     RTCRay r = embreeRay(o - direction * before, direction, 0, largestDiameter_ + 2 * before);
     rtcOccluded1(scene_.get(), &q.context, &r);
@@ -205,6 +226,13 @@ public:
   bool sameStateAround(const Point3& point, double radius) const override {
     const double away = length(Vector3(point) - centre_);
     if (away > 2 * reach_ + radius) return true;
+    for (const PathState::Place& p : stateAt(point).places) {
+      // Where a sliver ends in the rounded solid no triangle tells.
+      const RayInstance& in = instances_[p.instance];
+      if (p.rounded() && !isDeepIn(*in.form->view, p.solid, in.worldFromObject->applyInverse(point),
+                                   radius * double(in.objectScale)))
+        return false;
+    }
     bool near = false;
     RTCPointQuery query{};
     const Vector3 o = Vector3(point) - centre_;
@@ -220,8 +248,12 @@ public:
 
   double worldRadius(std::uint32_t instance, std::uint32_t solid) const override {
     const RayInstance& in = instances_[instance];
-    return double(in.worldScale) * (in.form->view ? double(in.form->view->solids[solid].boundRadius)
-                                                  : in.form->closed->radius[solid]);
+    return double(in.worldScale) * in.form->solidRadius(solid);
+  }
+
+  bool isCavity(std::uint32_t instance, std::uint32_t solid) const override {
+    const RayForm& form = *instances_[instance].form;
+    return form.closed && solid >= form.firstClosed && form.closed->solids[solid - form.firstClosed].cavity;
   }
 
   const Bounds3& bounds() const override { return bounds_; }
@@ -252,10 +284,14 @@ private:
   /// Does the ray start so far away, or is its direction so long or short, that float32 would lose the scene?
   /// Embree itself ends the process where a coordinate is beyond 1.8e18, in an instance's frame too.
   bool isFar(const Ray& ray) const {
-    constexpr double kNear = 64;                 // reaches
-    constexpr double kShort = 1e-6, kLong = 1e6; // lengths; a scene file's scales are near 1
-    const double away = lengthSquared(Vector3(ray.origin) - centre_), size = lengthSquared(ray.direction);
-    return !(away <= kNear * kNear * reach_ * reach_ && size >= kShort * kShort && size <= kLong * kLong);
+    constexpr double kNear = 64; // reaches
+    return !(lengthSquared(Vector3(ray.origin) - centre_) <= kNear * kNear * reach_ * reach_) ||
+           !hasGoodLength(ray.direction);
+  }
+  static bool hasGoodLength(const Vector3& direction) {
+    constexpr double kShort = 1e-6, kLong = 1e6; // a scene file's scales are near 1
+    const double size = lengthSquared(direction);
+    return size >= kShort * kShort && size <= kLong * kLong;
   }
 
   /// The same hit, found by a unit ray that starts before the scene.
@@ -282,14 +318,15 @@ private:
     auto& form = forms_[{i.mesh.get(), i.rounding.get(), i.transmits}];
     if (!form) {
       form = std::make_unique<Form>();
-      form->ray = {nullptr, nullptr, &i.mesh->mesh(), nullptr, i.transmits};
+      form->ray.mesh = &i.mesh->mesh();
+      form->ray.transmits = i.transmits;
       if (i.rounding) {
         form->ray.view = &i.rounding->view();
         form->flats = flatMargins(*form->ray.view, i.mesh->mesh(), 0.5 * i.mesh->bounds().diagonal());
         form->ray.flats = form->flats.data();
-      } else if (i.transmits) {
-        form->ray.closed = &i.mesh->closed();
+        form->ray.firstClosed = std::uint32_t(form->ray.view->solidCount());
       }
+      if (i.transmits) form->ray.closed = &i.mesh->closed();
     }
     return {&form->ray, &i.worldFromObject, float(norm(i.worldFromObject.inverse())),
             float(norm(i.worldFromObject))};
@@ -385,8 +422,8 @@ private:
       for (const SolidRecord& s : in.form->view->solids)
         largest = std::max(largest, double(s.boundRadius));
     if (in.form->closed)
-      for (const double radius : in.form->closed->radius)
-        largest = std::max(largest, radius);
+      for (const ClosedSolids::Solid& s : in.form->closed->solids)
+        largest = std::max(largest, 0.5 * s.bounds.diagonal());
     return 2 * largest * double(in.worldScale);
   }
 

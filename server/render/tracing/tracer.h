@@ -85,6 +85,8 @@ public:
   virtual PathState stateAt(const Point3& point) const = 0;
   /// Has every point within `radius` of `point` the same state as it, surely?
   virtual bool sameStateAround(const Point3& point, double radius) const = 0;
+  /// Is the solid a hole in another one of its mesh: a closed sharp component that is wound inside out?
+  virtual bool isCavity(std::uint32_t instance, std::uint32_t solid) const = 0;
   /// Half the diagonal of a solid in the world, or an upper bound of it.
   virtual double worldRadius(std::uint32_t instance, std::uint32_t solid) const = 0;
   virtual const Bounds3& bounds() const = 0;   ///< world, of the unmodified meshes
