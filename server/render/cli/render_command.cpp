@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/progress_line.h"
+#include "common/text.h"
 #include "server/render/cli/render_report.h"
 #include "server/render/cli/render_words.h"
 #include "server/render/image/image_io.h"
@@ -27,7 +28,7 @@ std::optional<Camera> cameraOf(const RenderCommandOptions& o, const Camera& own)
 }
 
 void checkOutput(const std::filesystem::path& path) {
-  const std::string e = path.extension().string();
+  const std::string e = lowerCase(path.extension().string());
   if (e != ".png" && e != ".exr") // before any work is done
     throw Error(ErrorKind::Usage, "\"" + path.string() + "\": images are written as .png or .exr");
 }
