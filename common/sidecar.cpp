@@ -15,10 +15,10 @@
 // reader has nothing to believe but the counts, and the file's size checks those.
 #include "common/sidecar.h"
 
+#include "common/atomic_file.h"
 #include "common/error.h"
 
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -265,33 +265,7 @@ std::size_t serializedSize(const Rounding& rounding) {
 
 std::size_t writeSidecar(const std::filesystem::path& path, const Rounding& rounding) {
   const std::vector<std::byte> bytes = serialize(rounding);
-  const std::string target = path.string();
-  std::string temporary = target + ".XXXXXX";
-  int file = -1;
-  const auto fail = [&](const char* step) {
-    const std::string why = std::strerror(errno);
-    if (file >= 0) ::unlink(temporary.c_str());
-    throw Error(ErrorKind::CannotWrite, "cannot " + std::string(step) + " " + target + ": " + why);
-  };
-  file = ::mkostemp(temporary.data(), O_CLOEXEC);
-  if (file < 0) fail("write beside");
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  bool good = ::fchmod(file, 0666 & ~mask) == 0;
-  for (std::size_t done = 0; good && done < bytes.size();) {
-    const ssize_t n = ::write(file, bytes.data() + done, bytes.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    good = n > 0;
-    if (good) done += std::size_t(n);
-  }
-  good = good && ::fsync(file) == 0;
-  const int error = errno;
-  good = ::close(file) == 0 && good;
-  if (!good) {
-    if (error) errno = error;
-    fail("write");
-  }
-  if (::rename(temporary.c_str(), target.c_str()) != 0) fail("rename a finished file to");
+  writeAtomically(path, bytes);
   return bytes.size();
 }
 

@@ -58,8 +58,8 @@ struct RoundingArrays {
 std::shared_ptr<const Rounding> makeRounding(RoundingArrays arrays, const Digest& meshDigest,
                                              const RoundingOptions& options);
 
-/// Writes to a temporary name in the same folder, syncs, renames. Same rounding, same bytes. Returns the
-/// file's size. Throws Error(CannotWrite).
+/// Writes the whole file or nothing (atomic_file.h). Same rounding, same bytes. Returns the file's size.
+/// Throws Error(CannotWrite).
 std::size_t writeSidecar(const std::filesystem::path& path, const Rounding& rounding);
 
 /// The size that writeSidecar would write.

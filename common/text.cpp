@@ -73,10 +73,14 @@ std::string printable(std::string_view text, std::size_t most) {
   return out;
 }
 
-std::string numberText(double value) {
+std::string numberText(double value, int digits) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
   return text;
+}
+
+std::string pointText(double x, double y, double z, int digits) {
+  return "(" + numberText(x, digits) + ", " + numberText(y, digits) + ", " + numberText(z, digits) + ")";
 }
 
 void keepFirst(std::vector<std::string>& messages, std::size_t most) {

@@ -28,8 +28,11 @@ inline std::string inQuotes(std::string_view text, std::size_t most = 40) {
 /// The same for names of files, which are of use only whole.
 inline std::string fileInQuotes(std::string_view name) { return inQuotes(name, 200); }
 
-/// A number for a message: nine digits at most, no zeros behind.
-std::string numberText(double value);
+/// A number for a message: so many digits at most, no zeros behind.
+std::string numberText(double value, int digits = 9);
+
+/// A place for a message: "(1, 2.5, -3)".
+std::string pointText(double x, double y, double z, int digits = 9);
 
 /// Keeps the first `most` of a list of messages and says how many went: "and 12 more".
 void keepFirst(std::vector<std::string>& messages, std::size_t most);

@@ -3,7 +3,6 @@
 #include "common/error.h"
 
 #include <map>
-#include <unistd.h>
 
 namespace chamfer {
 namespace fs = std::filesystem;
@@ -46,22 +45,6 @@ void checkOutputs(const PrepCommandOptions& options) {
   for (const auto& [file, mesh] : inputs)
     add(sidecarPath(options, mesh), mesh);
   if (!options.explicitMesh.empty()) add(options.explicitMesh, "--mesh");
-}
-
-StagedFile::StagedFile(fs::path target) : target_(std::move(target)), temporary_(target_) {
-  temporary_ += "." + std::to_string(::getpid());
-  temporary_ += target_.extension();
-}
-
-StagedFile::~StagedFile() {
-  std::error_code ignored;
-  fs::remove(temporary_, ignored);
-}
-
-void StagedFile::commit() {
-  std::error_code error;
-  fs::rename(temporary_, target_, error);
-  if (error) throw Error(ErrorKind::CannotWrite, "cannot write " + target_.string() + ": " + error.message());
 }
 
 } // namespace chamfer

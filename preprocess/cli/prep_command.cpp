@@ -1,16 +1,16 @@
 #include "preprocess/cli/prep_command.h"
 
+#include "common/atomic_file.h"
 #include "common/error.h"
+#include "common/progress_line.h"
 #include "preprocess/cli/output_paths.h"
 #include "preprocess/rounding/explicit_mesh.h"
 
 #include <chrono>
 #include <cstdio>
 #include <iostream>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <unistd.h>
 
 namespace chamfer {
 namespace {
@@ -23,31 +23,6 @@ struct Outcome {
   std::filesystem::path sidecar;
   std::size_t sidecarBytes = 0, explicitTriangles = 0;
   double readSeconds = 0, seconds = 0;
-};
-
-/// One line on a terminal, from the first second on.
-class ProgressLine {
-public:
-  explicit ProgressLine(bool wanted) : on_(wanted && ::isatty(STDERR_FILENO)) {}
-  ~ProgressLine() {
-    if (shown_) std::fputs("\r\033[K", stderr);
-  }
-  void operator()(const char* stage, double share) {
-    if (!on_) return;
-    const std::lock_guard lock(mutex_);
-    const auto now = Clock::now();
-    if (now - start_ < std::chrono::seconds(1) || now - last_ < std::chrono::milliseconds(100)) return;
-    last_ = now;
-    shown_ = true;
-    const int filled = int(share * 30);
-    std::fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", stage, filled, "##############################",
-                 30 - filled, "", int(share * 100));
-  }
-
-private:
-  bool on_, shown_ = false;
-  std::mutex mutex_;
-  Clock::time_point start_ = Clock::now(), last_{};
 };
 
 /// `warnings` are those of reading, known even where the mesh is then refused.
@@ -70,7 +45,7 @@ Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path&
   outcome.seconds = seconds(read);
   outcome.report = result.report;
   // Both files or none: the explicit mesh takes its name once the sidecar is written.
-  std::optional<StagedFile> staged;
+  std::optional<AtomicFile> staged;
   if (!options.explicitMesh.empty()) {
     if (std::error_code error; std::filesystem::is_directory(options.explicitMesh, error))
       throw Error(ErrorKind::CannotWrite,
@@ -78,7 +53,7 @@ Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path&
     const ExplicitMesh rounded =
         explicitMesh(result.rounding->view(), result.mesh ? *result.mesh : mesh, options.segments);
     outcome.explicitTriangles = rounded.triangles.size();
-    if (!options.dryRun) writeExplicitMesh(staged.emplace(options.explicitMesh).temporary(), rounded);
+    if (!options.dryRun) writeExplicitMesh(staged.emplace(options.explicitMesh), rounded);
   }
   outcome.sidecar = sidecarPath(options, path);
   outcome.sidecarBytes =

@@ -1,21 +1,14 @@
 #include "preprocess/components/component_builder.h"
 
+#include "common/text.h"
+
 #include <algorithm>
-#include <cstdio>
 
 namespace chamfer {
 namespace {
 
 /// The renderer holds lengths relative to the solid in float32 and squares them.
 constexpr double kLeastDiagonal = 1e-15, kMostDiagonal = 1e15;
-
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.9g", value);
-  return buffer;
-}
-
-std::string text(const Point3& p) { return "(" + text(p.x) + ", " + text(p.y) + ", " + text(p.z) + ")"; }
 
 std::string counted(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
@@ -156,8 +149,8 @@ void ComponentBuilder::finishClosed(Component& component, const Consistency& con
   if (!(diagonal >= kLeastDiagonal && diagonal <= kMostDiagonal)) {
     component.fault =
         Fault{FaultKind::NotFinite,
-              "its diagonal is " + text(diagonal) + ", outside " + text(kLeastDiagonal) + " to " +
-                  text(kMostDiagonal) + ", where single precision can square lengths; scale the mesh",
+              "its diagonal is " + numberText(diagonal) + ", outside " + numberText(kLeastDiagonal) + " to " +
+                  numberText(kMostDiagonal) + ", where single precision can square lengths; scale the mesh",
               diagonal, component.positions.front(), first};
     return;
   }
@@ -173,9 +166,9 @@ void ComponentBuilder::finishClosed(Component& component, const Consistency& con
   const double thickness = extent.area > 0 ? 2 * std::abs(extent.volume) / extent.area : 0;
   if (!(thickness > tolerances_.planarity))
     component.fault = Fault{FaultKind::Flat,
-                            "it is flat: twice its volume over its area is " + text(thickness) +
+                            "it is flat: twice its volume over its area is " + numberText(thickness) +
                                 " of its diagonal; at most the planarity tolerance of " +
-                                text(tolerances_.planarity) + " counts as no thickness",
+                                numberText(tolerances_.planarity) + " counts as no thickness",
                             thickness, component.positions.front(), first};
 }
 
@@ -194,7 +187,8 @@ Fault ComponentBuilder::notClosed(const Component& component, const PairingCount
   const HalfEdges surface{component.triangles, component.opposite};
   const Point3 a = component.positions[surface.start(at)], b = component.positions[surface.end(at)];
   const std::uint32_t triangle = component.meshTriangle[at / 3];
-  const std::string where = "from " + text(a) + " to " + text(b) + " of " + placeOfTriangle(mesh_, triangle);
+  const std::string where = "from " + pointText(a.x, a.y, a.z) + " to " + pointText(b.x, b.y, b.z) + " of " +
+                            placeOfTriangle(mesh_, triangle);
   const Point3 middle = a + (b - a) * 0.5;
   if (count < 4)
     return Fault{FaultKind::TooFew,

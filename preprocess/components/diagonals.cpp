@@ -1,5 +1,6 @@
 #include "preprocess/components/diagonals.h"
 
+#include "common/text.h"
 #include "preprocess/components/disjoint_sets.h"
 #include "preprocess/components/half_edges.h"
 #include "preprocess/components/solids.h"
@@ -150,12 +151,6 @@ bool locallyConvex(const Component& c) {
   return true;
 }
 
-std::string shortText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 /// Of each component without fault that has a polygon whose warp matters: all warped ones.
 template <class Each>
 void forWarped(const Components& components, const std::vector<Polygon>& polygons, std::size_t triangles,
@@ -283,7 +278,7 @@ void chooseDiagonals(TriangleMesh& mesh) {
   if (count > 0)
     mesh.warnings.push_back(
         placeOfTriangle(mesh, warped[most].first) + " is warped: its corners lie up to " +
-        shortText(warped[most].warp) + " off one plane" +
+        numberText(warped[most].warp, 3) + " off one plane" +
         (count > 1 ? " (" + std::to_string(count - 1) + " more faces are warped less)" : "") +
         "; of its triangulations the convex one is taken");
 }

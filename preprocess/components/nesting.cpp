@@ -1,7 +1,8 @@
 #include "preprocess/components/nesting.h"
 
+#include "common/text.h"
+
 #include <algorithm>
-#include <cstdio>
 #include <numbers>
 
 namespace chamfer {
@@ -84,12 +85,9 @@ void findCavities(std::vector<Component>& components) {
     const std::uint32_t outer =
         tree.find(inner.bounds, [&](std::uint32_t o) { return windingNumber(components[o], place) > 0.5; });
     if (outer == 0xffffffffu) continue;
-    char text[256];
-    std::snprintf(
-        text, sizeof text,
-        "it faces inwards and lies inside component %u: a cavity, and a solid with a cavity is not convex; "
-        "it was seen at (%.9g, %.9g, %.9g)",
-        outer + 1, place.x, place.y, place.z);
+    const std::string text = "it faces inwards and lies inside component " + std::to_string(outer + 1) +
+                             ": a cavity, and a solid with a cavity is not convex; it was seen at " +
+                             pointText(place.x, place.y, place.z);
     inner.fault = Fault{FaultKind::InsideOut, text, 1, place, inner.meshTriangle.front()};
   }
 }

@@ -2,11 +2,11 @@
 // that analytic rounding is compared with.
 #pragma once
 
+#include "common/atomic_file.h"
 #include "common/ray_query.h"
 #include "common/rounding.h"
 #include "preprocess/mesh.h"
 
-#include <filesystem>
 #include <functional>
 
 namespace chamfer {
@@ -42,8 +42,8 @@ private:
   std::uint64_t edges_ = 0, fixed_ = 0;
 };
 
-/// Writes an OBJ with vertex normals. Throws Error(CannotWrite), Error(Internal) when a solid's surface is
-/// not closed and manifold.
-void writeExplicitMesh(const std::filesystem::path& path, const ExplicitMesh& mesh);
+/// Writes an OBJ with vertex normals into a file that is then to be committed. Throws Error(CannotWrite),
+/// Error(Internal) when a solid's surface is not closed and manifold.
+void writeExplicitMesh(const AtomicFile& file, const ExplicitMesh& mesh);
 
 } // namespace chamfer

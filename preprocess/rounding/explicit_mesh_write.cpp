@@ -6,7 +6,6 @@
 #include <OpenMesh/Core/System/omstream.hh>
 #include <cstdlib>
 #include <string>
-#include <unistd.h>
 
 namespace chamfer {
 namespace {
@@ -36,27 +35,20 @@ HalfEdgeMesh halfEdgeMesh(const ExplicitMesh& mesh) {
 
 } // namespace
 
-void writeExplicitMesh(const std::filesystem::path& path, const ExplicitMesh& mesh) {
+void writeExplicitMesh(const AtomicFile& file, const ExplicitMesh& mesh) {
   const HalfEdgeMesh m = halfEdgeMesh(mesh);
-  std::filesystem::path temporary = path;
-  temporary.replace_filename("." + path.stem().string() + "." + std::to_string(::getpid()) + ".obj");
   OpenMesh::IO::Options options = OpenMesh::IO::Options::VertexNormal;
   bool written = false;
   ::omlog().disable(); // the library reports to standard error, success included
   ::omerr().disable();
   try {
-    written = OpenMesh::IO::write_mesh(m, temporary.string(), options, 17);
+    written = OpenMesh::IO::write_mesh(m, file.temporary().string(), options, 17);
   } catch (const std::exception&) {
     written = false; // the library's words would not help
   }
-  std::error_code error;
-  if (written) std::filesystem::rename(temporary, path, error);
-  if (!written || error) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw Error(ErrorKind::CannotWrite, "cannot write the explicit mesh " + path.string() +
-                                            ": check that its folder exists and can be written to");
-  }
+  if (!written)
+    throw Error(ErrorKind::CannotWrite, "cannot write the explicit mesh " + file.target().string() +
+                                            ": check that its name ends in .obj and that the disk has room");
 }
 
 } // namespace chamfer

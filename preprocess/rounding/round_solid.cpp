@@ -1,11 +1,11 @@
 #include "preprocess/rounding/round_solid.h"
 
+#include "common/text.h"
 #include "preprocess/core/inradius.h"
 #include "preprocess/rounding/convexity.h"
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 
 namespace chamfer {
 namespace {
@@ -26,17 +26,8 @@ private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-std::string coordinates(const Vector3& p) {
-  char text[128];
-  std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g)", p.x, p.y, p.z);
-  return text;
-}
+/// Measures are told roughly.
+std::string rough(double value) { return numberText(value, 3); }
 
 /// Reports the stage of a solid that takes long by itself.
 Share shareOf(const PreprocessOptions& options, const char* stage, const Surface& surface) {
@@ -82,16 +73,17 @@ std::optional<Fault> judgeByHull(const Component& component, const PreprocessOpt
   const HullVerdict& verdict = hull->verdict;
   const double relative = verdict.depth / diagonal;
   const bool asHull = options.onNonConvex == OnNonConvex::Hull;
+  const Point3 place(verdict.place + solid.origin);
   if (!asHull && relative > options.tolerances.convexity)
     return Fault{FaultKind::Concave,
-                 "its surface lies " + number(relative) + " of its diagonal below its convex hull at " +
-                     coordinates(verdict.place + solid.origin) + "; the tolerance is " +
-                     number(options.tolerances.convexity) + " (--convexity)",
-                 relative, Point3(verdict.place + solid.origin), meshTriangle(verdict.triangle)};
+                 "its surface lies " + rough(relative) + " of its diagonal below its convex hull at " +
+                     pointText(place.x, place.y, place.z, 6) + "; the tolerance is " +
+                     rough(options.tolerances.convexity) + " (--convexity)",
+                 relative, place, meshTriangle(verdict.triangle)};
   // A surface that stays near its hull but encloses another volume winds around it more than once, or folds.
   if (!asHull && std::abs(verdict.coverage - 1) > 0.5)
     return Fault{FaultKind::SelfIntersecting,
-                 "it encloses " + number(verdict.coverage) +
+                 "it encloses " + rough(verdict.coverage) +
                      " times the volume of its convex hull, so its faces fold "
                      "or wind around more than once",
                  verdict.coverage, component.positions.front(), meshTriangle(0)};
@@ -186,7 +178,7 @@ RoundedSolid roundSolid(const Component& component, const PreprocessOptions& opt
   solid.inradius = inner.radius;
   if (!(inner.radius > 1e-9 * diagonal)) {
     solid.fault = Fault{FaultKind::Flat,
-                        "it is flat: its inradius is " + number(inner.radius / diagonal) + " of its diagonal",
+                        "it is flat: its inradius is " + rough(inner.radius / diagonal) + " of its diagonal",
                         inner.radius / diagonal, component.positions.front(), component.meshTriangle.front()};
     return solid;
   }

@@ -49,6 +49,9 @@ TEST(Text, QuotesAreAbbreviatedByCharacters) {
 TEST(Text, NumbersAreShort) {
   EXPECT_EQ(numberText(0.1), "0.1");
   EXPECT_EQ(numberText(1.0 / 3), "0.333333333");
+  EXPECT_EQ(numberText(2.0 / 3, 3), "0.667");
+  EXPECT_EQ(pointText(1, -2.5, 1e10), "(1, -2.5, 1e+10)");
+  EXPECT_EQ(pointText(1.0 / 3, 0, 0, 2), "(0.33, 0, 0)");
 }
 
 TEST(Text, LongListsSayHowManyWent) {

@@ -153,7 +153,10 @@ ContinuityReport checkContinuity(const Subject& subject, const RoundedOracle& tr
     ++report.pairs;
     if (!a || !b) {
       if (!a && !b) continue;
-      if (std::min(near(pair[0]), near(pair[1])) <= tolerances.silhouette + 2 * step) continue;
+      if (std::min(near(pair[0]), near(pair[1])) <= tolerances.silhouette + 2 * step) {
+        ++report.excused;
+        continue;
+      }
       ++report.cracks;
       if (report.examples.size() < kExamples)
         report.examples.push_back("crack: " +
@@ -166,7 +169,10 @@ ContinuityReport checkContinuity(const Subject& subject, const RoundedOracle& tr
     const double allowed = distance * 1.001 / truth.radius() * kDegrees + tolerances.normalDegrees +
                            2 * noiseDegrees(noise, true);
     if (turn <= allowed) continue;
-    if (std::min(near(pair[0]), near(pair[1])) <= tolerances.silhouette) continue;
+    if (std::min(near(pair[0]), near(pair[1])) <= tolerances.silhouette) {
+      ++report.excused;
+      continue;
+    }
     ++report.creases;
     report.worstCrease = std::max(report.worstCrease, turn - allowed);
     if (report.examples.size() < kExamples)

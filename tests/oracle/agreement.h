@@ -70,7 +70,10 @@ struct AgreementReport {
   std::vector<Disagreement> examples; ///< the first few of each part of the work
 
   std::size_t disagreements() const;
-  bool agrees() const { return rays > 0 && disagreements() == 0; }
+  /// No disagreement, and no more than this share of the rays excused (or one ray). Excuses are for rays that
+  /// graze: a subject that needs more of them is wrong.
+  bool agrees(double mostExcused) const;
+  bool agrees() const;           ///< with the share that suits the mixed rays of one solid
   std::string summary() const;   ///< one line
   std::string complaint() const; ///< summary and examples
   void merge(const AgreementReport& other);
@@ -83,7 +86,8 @@ AgreementReport compare(const Subject& subject, const UnionOracle& truth, std::s
 /// miss, and their normals differ by no more than R's curvature allows over the distance of the two hits.
 struct ContinuityReport {
   std::size_t pairs = 0, cracks = 0, creases = 0;
-  double worstCrease = 0; ///< degrees beyond what curvature explains
+  std::size_t excused = 0; ///< pairs at the silhouette
+  double worstCrease = 0;  ///< degrees beyond what curvature explains
   std::vector<std::string> examples;
 };
 ContinuityReport checkContinuity(const Subject& subject, const RoundedOracle& truth,

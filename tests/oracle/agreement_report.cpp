@@ -8,7 +8,8 @@
 namespace chamfer::oracle {
 namespace {
 
-constexpr std::size_t kExamples = 8; // kept of a whole comparison
+constexpr std::size_t kExamples = 8;   // kept of a whole comparison
+constexpr double kMostExcused = 0.005; // up to 0.2 % are in 2000 rays at one solid
 
 std::string format(const char* pattern, auto... values) {
   char text[640];
@@ -72,6 +73,13 @@ std::size_t AgreementReport::disagreements() const {
   return sum;
 }
 
+bool AgreementReport::agrees(double mostExcused) const {
+  const bool excusable = excused <= 1 || double(excused) <= mostExcused * double(rays);
+  return rays > 0 && disagreements() == 0 && excusable;
+}
+
+bool AgreementReport::agrees() const { return agrees(kMostExcused); }
+
 std::string AgreementReport::summary() const {
   return format(
       "%zu rays, %zu hits (%zu rounded), %zu excused, faults: hit/miss %zu position %zu normal %zu feature "
@@ -86,6 +94,7 @@ std::string AgreementReport::summary() const {
 
 std::string AgreementReport::complaint() const {
   std::string s = summary();
+  if (disagreements() == 0) s += "\n  no faults, but too many of the rays are excused";
   for (const Disagreement& example : examples)
     s += "\n  " + example.text();
   return s;

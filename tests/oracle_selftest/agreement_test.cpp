@@ -50,6 +50,20 @@ TEST_F(Agreement, TheOracleAgreesWithItself) {
   EXPECT_EQ(report.excused, 0u);
 }
 
+TEST_F(Agreement, ExcusesHaveABound) {
+  AgreementReport report = judge([](const Ray&, auto&) {});
+  report.rays = 1000;
+  report.excused = 5;
+  EXPECT_TRUE(report.agrees());
+  report.excused = 6;
+  EXPECT_FALSE(report.agrees());
+  EXPECT_NE(report.complaint().find("too many of the rays are excused"), std::string::npos);
+  EXPECT_TRUE(report.agrees(0.01));
+  report.faults[std::size_t(Fault::Normal)] = 1;
+  EXPECT_FALSE(report.agrees(0.01));
+  EXPECT_FALSE(AgreementReport{}.agrees()) << "nothing was judged";
+}
+
 TEST_F(Agreement, ThreadsDoNotChangeTheReport) {
   Tolerances one;
   one.threads = 1;

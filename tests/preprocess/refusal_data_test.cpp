@@ -148,6 +148,7 @@ TEST_F(RefusalOfRealMeshes, NearConvexOnesAboveTheToleranceWithTheirDepth) {
 }
 
 TEST_F(RefusalOfRealMeshes, ButTheirHullsAreRoundedOnRequest) {
+  EXPECT_EQ(folders_["near"].size(), 47u);
   for (const Entry& entry : folders_["near"]) {
     SCOPED_TRACE(entry.file);
     const Outcome outcome = outcomeOf(entry.file, OnNonConvex::Hull);
@@ -160,6 +161,7 @@ TEST_F(RefusalOfRealMeshes, ButTheirHullsAreRoundedOnRequest) {
 }
 
 TEST_F(RefusalOfRealMeshes, EveryBrokenOneWithTheFaultsName) {
+  EXPECT_EQ(folders_["refused"].size(), 60u);
   for (const Entry& entry : folders_["refused"]) {
     SCOPED_TRACE(entry.file + ": " + entry.note);
     const Outcome outcome = outcomeOf(entry.file);

@@ -37,11 +37,18 @@ const std::map<std::string, ErrorKind> kRefused{
     {"manifold-models-Cray_left.obj", ErrorKind::NotConvexSolid}, // its second shell is a cavity in the first
 };
 
-class RoundingOfRealMeshes : public ::testing::TestWithParam<const char*> {};
+struct Folder {
+  const char* name;
+  std::size_t files;
+  friend void PrintTo(const Folder& folder, std::ostream* out) { *out << folder.name; }
+};
+
+class RoundingOfRealMeshes : public ::testing::TestWithParam<Folder> {};
 
 TEST_P(RoundingOfRealMeshes, AgreesWithTheOracleOfTheirHulls) {
-  const auto files = meshesIn(fs::path(CHAMFER_SOURCE_DIR) / "../shared/data" / GetParam());
-  if (files.empty()) GTEST_SKIP() << "no such folder beside the project: shared/data/" << GetParam();
+  const auto files = meshesIn(fs::path(CHAMFER_SOURCE_DIR) / "../shared/data" / GetParam().name);
+  if (files.empty()) GTEST_SKIP() << "no such folder beside the project: shared/data/" << GetParam().name;
+  EXPECT_EQ(files.size(), GetParam().files);
   PreprocessOptions options;
   options.radius = parseRadius("0.02%");
   options.threads = 1;
@@ -82,19 +89,23 @@ TEST_P(RoundingOfRealMeshes, AgreesWithTheOracleOfTheirHulls) {
         report.merge(compare(subject.firstEnd(), truth,
                              sampler.mixed(oracle::rayBudget(600 / hulls.size() + 1)), tolerances));
       }
-      EXPECT_TRUE(report.agrees()) << report.complaint();
+      // Of a mesh of thin solids up to 2.7 %: their radius is less than what counts as the silhouette.
+      EXPECT_TRUE(report.agrees(0.04)) << report.complaint();
       sum.merge(report);
       solids += hulls.size();
     } catch (const std::exception& e) {
       ADD_FAILURE() << e.what();
     }
   }
-  std::cout << GetParam() << ": " << files.size() << " files, " << solids << " solids, " << sum.summary()
+  EXPECT_TRUE(sum.agrees()) << sum.summary();
+  std::cout << GetParam().name << ": " << files.size() << " files, " << solids << " solids, " << sum.summary()
             << "\n";
 }
 
-INSTANTIATE_TEST_SUITE_P(Folders, RoundingOfRealMeshes, ::testing::Values("catalogue", "pieces", "accepted"),
-                         [](const auto& folder) { return std::string(folder.param); });
+INSTANTIATE_TEST_SUITE_P(Folders, RoundingOfRealMeshes,
+                         ::testing::Values(Folder{"catalogue", 133}, Folder{"pieces", 402},
+                                           Folder{"accepted", 46}),
+                         [](const auto& folder) { return std::string(folder.param.name); });
 
 } // namespace
 } // namespace chamfer

@@ -225,6 +225,7 @@ TEST_F(SidecarTest, AFolderThatCannotBeWrittenIsNamed) {
     FAIL() << "written";
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), ErrorKind::CannotWrite);
+    EXPECT_NE(std::string(e.what()).find((folder_ / "missing" / "a.chamfer").string()), std::string::npos);
   }
 }
 

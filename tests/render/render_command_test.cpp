@@ -51,6 +51,13 @@ TEST(RenderCommand, WritesThePictureThatRenderTileGives) {
               (Color{image.rgba[4 * i], image.rgba[4 * i + 1], image.rgba[4 * i + 2]}));
 }
 
+TEST(RenderCommand, ExtensionsAreReadInAnyCase) {
+  const TemporaryFolder folder;
+  const RenderCommandOptions o = optionsFor(folder, "A.PNG");
+  EXPECT_EQ(runRenderCommand(o), 0);
+  EXPECT_TRUE(std::filesystem::exists(o.output));
+}
+
 TEST(RenderCommand, ABareMeshMayBeYUp) {
   const TemporaryFolder folder;
   RenderCommandOptions o = optionsFor(folder, "a.exr");

@@ -1,6 +1,8 @@
 #include "server/render/cli/render_command.h"
 
 #include "common/error.h"
+#include "common/progress_line.h"
+#include "common/text.h"
 #include "server/render/cli/render_report.h"
 #include "server/render/cli/render_words.h"
 #include "server/render/image/image_io.h"
@@ -8,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <unistd.h>
 #include <utility>
 
 namespace chamfer {
@@ -27,31 +28,10 @@ std::optional<Camera> cameraOf(const RenderCommandOptions& o, const Camera& own)
 }
 
 void checkOutput(const std::filesystem::path& path) {
-  const std::string e = path.extension().string();
+  const std::string e = lowerCase(path.extension().string());
   if (e != ".png" && e != ".exr") // before any work is done
     throw Error(ErrorKind::Usage, "\"" + path.string() + "\": images are written as .png or .exr");
 }
-
-/// A line on standard error, rewritten at each full percent; only where somebody looks.
-class ProgressLine {
-public:
-  explicit ProgressLine(bool quiet) : shown_(!quiet && isatty(STDERR_FILENO)) {}
-  ~ProgressLine() {
-    if (percent_ >= 0) std::fputs("\r                \r", stderr);
-  }
-  void operator()(double share) {
-    if (!shown_) return;
-    const int percent = int(share * 100);
-    int before = percent_;
-    while (before < percent && !percent_.compare_exchange_weak(before, percent)) {
-    }
-    if (before < percent) std::fprintf(stderr, "\rrendering %3d %%", percent);
-  }
-
-private:
-  bool shown_;
-  std::atomic<int> percent_{-1};
-};
 
 } // namespace
 
@@ -86,10 +66,10 @@ int runRenderCommand(const RenderCommandOptions& o) {
 
   RenderResult result;
   {
-    ProgressLine line(o.quiet);
+    ProgressLine line(!o.quiet);
     RenderControl control;
     control.threads = o.threads;
-    control.progress = [&](double share) { line(share); };
+    control.progress = [&](double share) { line("rendering", share); };
     result = renderTile(*prepared, settings, {0, 0, o.width, o.height}, control);
   }
   times.render = lap();

@@ -1,5 +1,6 @@
 #include "server/render/image/image_io.h"
 
+#include "common/atomic_file.h"
 #include "common/error.h"
 #include "common/text.h"
 
@@ -9,9 +10,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
-#include <fstream>
 
 namespace chamfer {
 namespace {
@@ -93,9 +92,8 @@ float withinLight(float v) {
 }
 
 std::string colorText(const Color& c) {
-  char text[64];
-  std::snprintf(text, sizeof text, "(%.6g %.6g %.6g)", double(c.r), double(c.g), double(c.b));
-  return text;
+  return "(" + numberText(double(c.r), 6) + ' ' + numberText(double(c.g), 6) + ' ' +
+         numberText(double(c.b), 6) + ')';
 }
 
 } // namespace
@@ -136,20 +134,7 @@ void writeImage(const std::filesystem::path& path, const Image& image) {
   if (extension != ".png" && extension != ".exr")
     throw Error(ErrorKind::Usage, "\"" + path.string() + "\": images are written as .png or .exr");
   const std::vector<std::byte> bytes = extension == ".png" ? encodePng(image) : encodeExr(image);
-  // Beside its place first, so that no reader ever sees half an image.
-  std::filesystem::path temporary = path;
-  temporary += ".part";
-  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-  out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(temporary, path, error);
-  if (!out || error) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw Error(ErrorKind::CannotWrite, "\"" + path.string() + "\" cannot be written" +
-                                            (error ? ": " + error.message() : std::string()));
-  }
+  writeAtomically(path, bytes);
 }
 
 Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, const std::string& name,

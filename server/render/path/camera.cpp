@@ -1,9 +1,8 @@
 #include "server/render/path/camera.h"
 
 #include "common/error.h"
+#include "common/text.h"
 #include "server/render/path/warp.h"
-
-#include <sstream>
 
 namespace chamfer {
 namespace {
@@ -13,12 +12,6 @@ constexpr double kMinVfov = 0.001, kMaxVfov = 179;
 constexpr double kMinSine = 1e-6;
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorKind::OutOfRange, "camera: " + what); }
-
-std::string shown(double v) {
-  std::ostringstream s;
-  s << v;
-  return s.str();
-}
 
 } // namespace
 
@@ -30,12 +23,12 @@ void validateCamera(const Camera& c) {
   if (!(upLength > 0) || !std::isfinite(upLength)) fail("up must be a direction");
   if (!(length(cross(view / distance, c.up / upLength)) > kMinSine)) fail("up must not be along the view");
   if (!(c.vfovDegrees >= kMinVfov && c.vfovDegrees <= kMaxVfov))
-    fail("vfov_degrees must be " + shown(kMinVfov) + " to " + shown(kMaxVfov) + ", is " +
-         shown(c.vfovDegrees));
+    fail("vfov_degrees must be " + numberText(kMinVfov) + " to " + numberText(kMaxVfov) + ", is " +
+         numberText(c.vfovDegrees));
   if (!(c.apertureDiameter >= 0) || !std::isfinite(c.apertureDiameter))
-    fail("the aperture's diameter must be at least 0, is " + shown(c.apertureDiameter));
+    fail("the aperture's diameter must be at least 0, is " + numberText(c.apertureDiameter));
   if (!(c.focusDistance >= 0) || !std::isfinite(c.focusDistance))
-    fail("the focus distance must be above 0, is " + shown(c.focusDistance));
+    fail("the focus distance must be above 0, is " + numberText(c.focusDistance));
 }
 
 Camera fitCamera(const Bounds3& bounds) {

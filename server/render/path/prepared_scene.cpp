@@ -1,20 +1,13 @@
 #include "server/render/path/prepared_scene.h"
 
 #include "common/error.h"
+#include "common/text.h"
 
 #include <map>
 #include <set>
-#include <sstream>
 
 namespace chamfer {
 namespace {
-
-std::string shown(double v) {
-  std::ostringstream s;
-  s.precision(9);
-  s << v;
-  return s.str();
-}
 
 std::shared_ptr<const Rounding> buildRounding(const SceneMesh& mesh, const RoundingOptions& wanted,
                                               unsigned threads) {
@@ -38,12 +31,12 @@ RoundingOptions wantedOptions(const SceneMesh& mesh, const RoundingChoice& choic
 
 void checkChoice(const Scene& scene, const RoundingChoice& choice) {
   if (choice.radiusClamp && !(*choice.radiusClamp >= 0 && *choice.radiusClamp <= kMostClamp))
-    throw Error(ErrorKind::OutOfRange, "the radius clamp must be from 0 to " + shown(kMostClamp) + ", is " +
-                                           shown(*choice.radiusClamp));
+    throw Error(ErrorKind::OutOfRange, "the radius clamp must be from 0 to " + numberText(kMostClamp) +
+                                           ", is " + numberText(*choice.radiusClamp));
   if (!choice.radius) return;
   const double radius = *choice.radius;
   if (!std::isfinite(radius) || !(radius > 0))
-    throw Error(ErrorKind::OutOfRange, "the radius must be above 0, is " + shown(radius));
+    throw Error(ErrorKind::OutOfRange, "the radius must be above 0, is " + numberText(radius));
   const SceneMesh* smallest = nullptr;
   for (const SceneMesh& m : scene.meshes)
     if (!m.staysSharp && m.maxRadius > 0 && wantedOptions(m, choice).clamp == 0 &&
@@ -51,8 +44,8 @@ void checkChoice(const Scene& scene, const RoundingChoice& choice) {
       smallest = &m;
   if (smallest && radius >= smallest->maxRadius)
     throw Error(ErrorKind::RadiusTooLarge,
-                "the radius " + shown(radius) + " is too large: it must be below " +
-                    shown(smallest->maxRadius) + ", the inradius of mesh \"" + smallest->name + "\"");
+                "the radius " + numberText(radius) + " is too large: it must be below " +
+                    numberText(smallest->maxRadius) + ", the inradius of mesh \"" + smallest->name + "\"");
 }
 
 std::vector<std::shared_ptr<const Rounding>> chooseRoundings(const Scene& scene, const RoundingChoice& choice,

@@ -1,19 +1,15 @@
 #include "server/render/scene/stretch.h"
 
 #include "common/error.h"
+#include "common/text.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace chamfer {
 namespace {
 
-std::string shown(double v) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", v);
-  return text;
-}
+std::string shown(double v) { return numberText(v, 6); }
 
 using Matrix = std::array<std::array<double, 3>, 3>;
 
