@@ -182,8 +182,9 @@ std::string warningsOf(const test::TemporaryFolder& folder, const std::string& s
 
 TEST(SceneDocument, HasTheKeysOfMaterialLibraries) {
   const test::TemporaryFolder folder;
+  const auto tables = readTables();
   std::set<std::string> documented;
-  for (const Row& row : readTables().at("Material libraries (MTL)")) {
+  for (const Row& row : tables.at("Material libraries (MTL)")) {
     SCOPED_TRACE(row.key);
     EXPECT_TRUE(row.example.starts_with(row.key + " ")) << row.example;
     EXPECT_EQ(warningsOf(folder, row.example), "");
