@@ -10,14 +10,14 @@ const PARTS = ['common', 'preprocess', 'server', 'web', 'data', 'tests'];
 
 const textOf = (name) => readFileSync(join(SOURCE, name), 'utf8');
 
-/** Names of the source files of the parts, without their folders. */
-const fileNames = new Set(
-  PARTS.flatMap(function list(folder) {
-    return readdirSync(join(SOURCE, folder), { withFileTypes: true }).flatMap((entry) =>
-      entry.name === 'node_modules' ? [] : entry.isDirectory() ? list(join(folder, entry.name)) : [entry.name],
-    );
-  }),
-);
+/** Every file of the parts. */
+const files = PARTS.flatMap(function list(folder) {
+  return readdirSync(join(SOURCE, folder), { withFileTypes: true }).flatMap((entry) => {
+    if (entry.name === 'node_modules' || entry.name === '__pycache__') return [];
+    return entry.isDirectory() ? list(join(folder, entry.name)) : [join(folder, entry.name)];
+  });
+});
+const fileNames = new Set(files.map((file) => basename(file)));
 
 test('paths that documents name exist', () => {
   let count = 0;
@@ -53,13 +53,28 @@ test('folders that README lists are those of the tree', () => {
   }
 });
 
-test('scripts that begin with #! and commands that documents print can be run', () => {
+test('scripts can be run: those that begin with #! and those that documents print as commands', () => {
   const scripts = new Set(['start', 'check', '.ci/run']);
   for (const document of DOCUMENTS)
     for (const [, name] of textOf(document).matchAll(/^\s*(?:\.\/)?([\w./-]+\.(?:py|sh))\b/gm)) scripts.add(name);
   assert.ok(scripts.has('tests/bench/bench.py'), [...scripts].join());
+  for (const file of files) if (/\.(py|sh)$/.test(file) && textOf(file).startsWith('#!')) scripts.add(file);
   for (const name of scripts) {
     accessSync(join(SOURCE, name), constants.X_OK);
-    assert.ok(textOf(name).startsWith('#!'), basename(name));
+    assert.ok(textOf(name).startsWith('#!'), name);
   }
+});
+
+test('modules use nothing that Node.js 18, that of Debian 12, does not have', () => {
+  const newer = [
+    /\.(with|toSorted|toReversed|toSpliced|union|intersection|difference|isSubsetOf|isWellFormed)\(/,
+    /\bimport\.meta\.(dirname|filename|main)\b/,
+    /\b(Promise\.(withResolvers|try)|Object\.groupBy|Map\.groupBy|Array\.fromAsync|AbortSignal\.any|Iterator\.from)\b/,
+    /\b(globSync|styleText|stripTypeScriptTypes|openAsBlob)\b|'node:(sqlite|sea)'/,
+    /\bimport\b.*\bwith \{ *type:|\bnew (WebSocket|EventSource)\(/,
+  ];
+  const modules = files.filter((file) => /\.(mjs|js)$/.test(file) && !file.endsWith('documents.test.mjs'));
+  assert.ok(modules.length > 40, `${modules.length} modules`);
+  for (const file of modules)
+    for (const pattern of newer) assert.doesNotMatch(textOf(file), pattern, `${file}: ${pattern}`);
 });
