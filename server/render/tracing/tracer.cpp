@@ -123,7 +123,8 @@ public:
 
   std::optional<TraceHit> intersect(const Ray& ray, const PathState& from, double tnear, double tfar,
                                     Arrival* arrival) const override {
-    if (from.empty() && isFar(ray)) return intersectFromAfar(ray, tnear, tfar, arrival);
+    if (from.empty() && (isFar(ray) || isFar({ray.at(tnear), ray.direction})))
+      return intersectFromAfar(ray, tnear, tfar, arrival);
     Context c = context(ray, from, tnear, tfar, &intersectFilter);
     c.query.notesPassages |= arrival != nullptr;
     search(c);
@@ -243,17 +244,17 @@ private:
     return !(away <= kNear * kNear * reach_ * reach_ && size >= kShort * kShort && size <= kLong * kLong);
   }
 
-  /// The same hit, found by a unit ray that starts before the scene.
+  /// The same hit, found by a unit ray that starts before the scene, or at tnear.
   std::optional<TraceHit> intersectFromAfar(const Ray& ray, double tnear, double tfar,
                                             Arrival* arrival) const {
     const double size = length(ray.direction);
     const Vector3 unit = ray.direction / size;
-    const double skipped =
-        std::max(0.0, dot(centre_ - Vector3(ray.origin), unit) - 2 * reach_); // the scene is behind it
-    const Ray near{ray.origin + unit * skipped, unit};
+    const double begin = std::max(tnear * size, dot(centre_ - Vector3(ray.origin), unit) -
+                                                    2 * reach_); // the scene is behind it
+    const Ray near{ray.origin + unit * begin, unit};
     if (isFar(near)) return std::nullopt; // passes the scene by, or there is none
-    auto hit = intersect(near, {}, std::max(0.0, tnear * size - skipped), tfar * size - skipped, arrival);
-    if (hit) hit->t = (hit->t + skipped) / size;
+    auto hit = intersect(near, {}, 0, tfar * size - begin, arrival);
+    if (hit) hit->t = (hit->t + begin) / size;
     return hit;
   }
 
