@@ -1,5 +1,5 @@
-// The scene file, `*.scene.json`. data/SCENES.md describes every key; scene_document_test.cpp holds it against
-// what is read here.
+// The scene file, `*.scene.json`. data/SCENES.md describes every key; scene_document_test.cpp holds it
+// against what is read here.
 #include "server/render/scene/scene_description.h"
 
 #include "common/error.h"
