@@ -1,5 +1,5 @@
 # Sourced by ./start and ./check: install_packages installs what packages.txt lists and this machine lacks, up to its line
-# "# tests" unless the second argument is "tests".
+# "# tests" unless the second argument is "tests". On other systems than Debian 12 nothing is installed. Needs machine.sh.
 
 # Prints the packages of a list (file $1) that are not installed, one a line.
 missing_packages() {
@@ -20,8 +20,8 @@ missing_packages() {
 
 install_packages() {
   local list="$1" part="${2:-}" packages=() as_root=()
-  if ! command -v dpkg-query >/dev/null; then
-    echo "This is not a Debian system; install by hand what $list names, then go on." >&2
+  if ! is_debian_12; then # it may have all that is needed, and says so only if it has not
+    trap 'status=$?; [ "$status" -eq 0 ] || other_system_advice "$(basename "$0")" .ci/packages.txt' EXIT
     return 0
   fi
   mapfile -t packages < <(missing_packages "$list" "$part")

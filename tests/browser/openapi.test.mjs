@@ -215,6 +215,7 @@ test('the body of a batch of rays is read as documented', async () => {
   const [template, { post }] = Object.entries(doc.paths).find(([, operations]) => operations.post);
   const { schema } = post.requestBody.content['application/json'];
   const [ray] = RAYS.rays;
+  const rayWith = (at, value) => ray.map((number, i) => (i === at ? value : number));
   const { maxItems } = schema.properties.rays;
   const { minItems, prefixItems } = schema.properties.rays.items;
   assert.deepEqual(schema.required, ['rays']);
@@ -224,14 +225,14 @@ test('the body of a batch of rays is read as documented', async () => {
     { rays: Array(maxItems).fill(ray) },
     { ...RAYS, rounding: 'none', tnear: schema.properties.tnear.maximum },
     { ...RAYS, radius: scene.radius.max * 0.999 },
-    { rays: [ray.with(0, prefixItems[0].maximum), ray.with(1, prefixItems[1].minimum)] },
+    { rays: [rayWith(0, prefixItems[0].maximum), rayWith(1, prefixItems[1].minimum)] },
   ];
   const bad = [
     [{}, 400],
     [{ rays: [ray.slice(0, minItems - 1)] }, 400],
     [{ rays: [[...ray, 1]] }, 400],
     [{ rays: Array(maxItems + 1).fill(ray) }, 422],
-    [{ rays: [ray.with(2, prefixItems[2].maximum * 1.001)] }, 422],
+    [{ rays: [rayWith(2, prefixItems[2].maximum * 1.001)] }, 422],
     [{ ...RAYS, tnear: -1 }, 422],
     [{ ...RAYS, radius: 0 }, 422],
     [{ ...RAYS, radius: scene.radius.max }, 422],

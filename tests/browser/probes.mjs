@@ -66,7 +66,7 @@ export function probesOf({ name, schema }, maxRadius) {
 function numberListProbes({ minItems, maxItems, prefixItems }) {
   const numbers = [3, -3, 2, 0, 0, 0, 1, 1, 1, 40, 0.1, 3];
   assert.equal(numbers.length, maxItems);
-  const put = (i, value) => numbers.with(i, value).join();
+  const put = (at, value) => numbers.map((number, i) => (i === at ? value : number)).join();
   const inside = [numbers.slice(0, minItems).join(), numbers.join()];
   const outside = [numbers.slice(0, minItems - 1), numbers.slice(0, minItems + 1), [...numbers, 1]].map((list) => [
     list.join(),

@@ -53,6 +53,23 @@ TEST_F(FarRays, AnyLengthOfDirectionDoes) {
   }
 }
 
+TEST_F(FarRays, BeginWhereverTnearIs) {
+  const Ray ray{{-6, 0.4, 0.3}, {1, 0.01, -0.02}};
+  const auto expected = tracer_->intersect(ray);
+  ASSERT_TRUE(expected);
+  for (const double size : {1e-9, 1.0, 1e9}) {
+    const Ray scaled{ray.origin, ray.direction * size};
+    const auto second = tracer_->intersect(scaled, {}, (expected->t + 2.5) / size);
+    ASSERT_TRUE(second) << size;
+    EXPECT_EQ(second->instance, 1u) << "the next solid";
+  }
+  for (const double tnear : {1e2, 1e4, 1e9, 1e19, 1e30, 1e300}) {
+    EXPECT_FALSE(tracer_->intersect(ray, {}, tnear)) << tnear;
+    EXPECT_FALSE(tracer_->intersect({ray.origin, ray.direction * 1e30}, {}, tnear)) << tnear;
+    EXPECT_FALSE(tracer_->intersect({{-1e12, 0, 0}, {1, 0, 0}}, {}, 2e12 + tnear)) << tnear;
+  }
+}
+
 TEST_F(FarRays, BeyondAllMeasureIsAMissAndNoHarm) {
   for (const double away : {1e18, 1e30, 1e100})
     for (const Vector3& direction : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(-1, 1e-20, 1)})

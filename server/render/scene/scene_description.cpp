@@ -1,37 +1,5 @@
-// The scene file, `*.scene.json`. Lengths are world units, angles degrees, colours linear Rec. 709 (three
-// numbers, or one for a grey); files are named relative to the scene file. Everything but `meshes` and
-// `instances` may be left out.
-//
-//   "meshes": [{"name", "file", "radius": 0.05 | "2%", "radius_world": 0.05, "radius_clamp": 0.9,
-//               "on_nonconvex": "error"|"sharp"|"hull", "rounding": false, "up_axis": "y"|"z"}]
-//       With a radius the mesh is rounded by it, from its sidecar where that has this radius, else on load.
-//       Without one a sidecar's rounding is used, and a mesh that has none is sharp. "rounding": false keeps
-//       it sharp for good.
-//       "radius" is in the mesh's own units, which an instance's scale enlarges with it. "radius_world" is
-//       what is seen: instances of different scales get roundings of their own, and an instance that is
-//       scaled unevenly is rounded after it was scaled. Radii of requests are then in world units, too.
-//       "radius_clamp": no solid gets more than this share (up to 0.999) of its own inradius; 0: none.
-//       This and "on_nonconvex" are the sidecar's where they are left out, and so are chamferprep's other
-//       options.
-//       "up_axis": "y" for files whose y axis points up: they are turned upright before anything else.
-//   "materials": [{"name", "base_color", "roughness", "metallic", "specular", "transmission", "ior",
-//   "emission",
-//                  "absorption", "base_color_texture", "roughness_texture", "normal_texture"}] (material.h)
-//       The normal texture is in tangent space by OpenGL's convention (tangent_frame.h).
-//   "instances": [{"mesh", "material", "matrix": 16 numbers, row by row |
-//                  "scale": s | [x,y,z], "rotate": {"axis","degrees"} | [...in order], "translate": [x,y,z],
-//                  "repeat": [{"count", "step": [x,y,z]}, ...]}]
-//       world = translate * rotate * scale; without a material the mesh file's own are used. Each repeat
-//       makes `count` copies, each a step (in world units) from the last; repeats multiply.
-//   "lights": [{"type":"area", "center", "u", "v", "emission"}            parallelogram center +- u +- v,
-//   both sides
-//              {"type":"point", "position", "intensity"}
-//              {"type":"directional", "direction" (of travel), "irradiance", "angular_diameter_degrees": 0}
-//              {"type":"sky", "zenith", "horizon", "ground", "up"}
-//              {"type":"environment", "color" | "image", "strength", "rotation_degrees", "up"}]
-//       At most one sky or environment; without one the neutral sky of the studio shines.
-//   "camera": {"eye", "target", "up", "vfov_degrees", "aperture_diameter", "focus_distance"}; else one that
-//   fits.
+// The scene file, `*.scene.json`. data/SCENES.md describes every key; scene_document_test.cpp holds it
+// against what is read here.
 #include "server/render/scene/scene_description.h"
 
 #include "common/error.h"

@@ -1,4 +1,4 @@
-// A scene file's content, read and checked but nothing loaded: see scene_description.cpp for the format.
+// A scene file's content, read and checked but nothing loaded: data/SCENES.md describes the format.
 #pragma once
 
 #include "common/transform.h"

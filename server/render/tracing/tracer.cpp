@@ -141,12 +141,13 @@ public:
 
   std::optional<TraceHit> intersect(const Ray& ray, const PathState& from, double tnear, double tfar,
                                     Arrival* arrival) const override {
-    if (from.empty() && isFar(ray)) return intersectFromAfar(ray, tnear, tfar, arrival);
+    if (from.empty() && (isFar(ray) || isFar({ray.at(tnear), ray.direction})))
+      return intersectFromAfar(ray, tnear, tfar, arrival);
     if (!hasGoodLength(ray.direction)) {
       const double size = length(ray.direction);
       if (!(size > 0)) return std::nullopt;
       auto hit = intersect({ray.origin, ray.direction / size}, from, tnear * size, tfar * size, arrival);
-      if (hit) hit->t /= size;
+      if (hit) inLengthsOf(size, 0, *hit, arrival);
       return hit;
     }
     // Again from each wall within a union that the path is in.
@@ -294,17 +295,24 @@ private:
     return size >= kShort * kShort && size <= kLong * kLong;
   }
 
-  /// The same hit, found by a unit ray that starts before the scene.
+  /// From a unit ray that starts `skipped` later to one of length `size`.
+  static void inLengthsOf(double size, double skipped, TraceHit& hit, Arrival* arrival) {
+    hit.t = (hit.t + skipped) / size;
+    if (!arrival) return;
+    for (TraceHit& t : arrival->touching)
+      t.t = (t.t + skipped) / size;
+  }
+  /// The same hit, found by a unit ray that starts before the scene, or at tnear.
   std::optional<TraceHit> intersectFromAfar(const Ray& ray, double tnear, double tfar,
                                             Arrival* arrival) const {
     const double size = length(ray.direction);
     const Vector3 unit = ray.direction / size;
-    const double skipped =
-        std::max(0.0, dot(centre_ - Vector3(ray.origin), unit) - 2 * reach_); // the scene is behind it
-    const Ray near{ray.origin + unit * skipped, unit};
+    const double begin = std::max(tnear * size, dot(centre_ - Vector3(ray.origin), unit) -
+                                                    2 * reach_); // the scene is behind it
+    const Ray near{ray.origin + unit * begin, unit};
     if (isFar(near)) return std::nullopt; // passes the scene by, or there is none
-    auto hit = intersect(near, {}, std::max(0.0, tnear * size - skipped), tfar * size - skipped, arrival);
-    if (hit) hit->t = (hit->t + skipped) / size;
+    auto hit = intersect(near, {}, 0, tfar * size - begin, arrival);
+    if (hit) hit->t = (hit->t + begin) / size;
     return hit;
   }
 
