@@ -16,7 +16,7 @@ struct ClosedSolids {
   std::vector<std::uint32_t> ofTriangle;
   struct Solid {
     Bounds3 bounds; ///< object units
-    bool cavity;    ///< wound inside out, within the bounds of another: a hole in that
+    bool cavity;    ///< wound inside out, inside another: a hole in that
   };
   std::vector<Solid> solids;
 

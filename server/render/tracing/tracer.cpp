@@ -312,7 +312,7 @@ private:
     const Ray near{ray.origin + unit * begin, unit};
     if (isFar(near)) return std::nullopt; // passes the scene by, or there is none
     auto hit = intersect(near, {}, 0, tfar * size - begin, arrival);
-    if (hit) hit->t = (hit->t + begin) / size;
+    if (hit) inLengthsOf(size, begin, *hit, arrival);
     return hit;
   }
 
