@@ -339,6 +339,40 @@ TEST(Absorption, ReachesLightThatIsSampledAcrossSurfacesBetweenEqualMedia) {
   EXPECT_NEAR(sunk, one, 1e-4 * one);
 }
 
+TEST(Absorption, OfWhatStaysSharpBesideARadius) {
+  // An L cannot be rounded and stays as it is: a body of its own medium all the same.
+  const TemporaryFolder folder;
+  folder.write("l.obj", R"(v 0 0 0
+v 2 0 0
+v 2 1 0
+v 1 1 0
+v 1 2 0
+v 0 2 0
+v 0 0 1
+v 2 0 1
+v 2 1 1
+v 1 1 1
+v 1 2 1
+v 0 2 1
+f 6 5 4 3 2 1
+f 7 8 9 10 11 12
+f 1 2 8 7
+f 2 3 9 8
+f 3 4 10 9
+f 4 5 11 10
+f 5 6 12 11
+f 6 1 7 12
+)");
+  const auto loaded =
+      loadText(folder, R"({"meshes":[{"name":"l","file":"l.obj","radius":0.05,"on_nonconvex":"sharp"}],
+    "materials":[)" + std::string(kHaze) +
+                           R"(],"instances":[{"mesh":"l","material":"haze"}],)" + kWhiteRoom + "}");
+  for (const auto& [y, thickness] : {std::pair(0.52, 2.0), std::pair(1.52, 1.0)}) {
+    const Extremes e = render(loaded, lookAt({-3, y, 0.53}, {0, y, 0.53}, 1e-2), 4, 4);
+    EXPECT_NEAR(e.mean, std::exp(-0.7 * thickness), 1e-5) << y;
+  }
+}
+
 /// The crossings along a ray, as media see them, with what passes unbent.
 std::vector<Crossing> crossingsAlong(const PreparedScene& prepared, Ray ray) {
   const Media media(prepared.surfaces(), prepared.tracer());

@@ -334,7 +334,9 @@ private:
         form->ray.flats = form->flats.data();
         form->ray.firstClosed = std::uint32_t(form->ray.view->solidCount());
       }
-      if (i.transmits) form->ray.closed = &i.mesh->closed();
+      const auto staysSharp = [](const TriangleFlat& f) { return f.facet == kNone; };
+      if (i.transmits && (!i.rounding || std::any_of(form->flats.begin(), form->flats.end(), staysSharp)))
+        form->ray.closed = &i.mesh->closed();
     }
     return {&form->ray, &i.worldFromObject, float(norm(i.worldFromObject.inverse())),
             float(norm(i.worldFromObject))};
