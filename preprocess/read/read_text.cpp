@@ -40,7 +40,8 @@ bool parseDouble(std::string_view token, double& value) {
 void malformed(const TextPlace& place, const std::string& what) {
   std::string text(place.file);
   if (place.line > 0) text += ":" + std::to_string(place.line);
-  throw Error(ErrorKind::Malformed, text + ": " + what);
+  // What names a field may be the file's own word, too.
+  throw Error(ErrorKind::Malformed, text + ": " + printable(what, what.size()));
 }
 
 double parseReal(std::string_view token, const char* what, const TextPlace& place) {

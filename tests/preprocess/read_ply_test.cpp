@@ -1,3 +1,6 @@
+#include "common/error.h"
+#include "common/text.h"
+#include "preprocess/read/read_formats.h"
 #include "tests/preprocess/mesh_files.h"
 
 #include "common/rounding.h"
@@ -257,6 +260,17 @@ TEST_F(ReadPly, CoordinatesThatAreListsAreRefused) {
                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar float x\nproperty float y\n"
                 "property float z\nend_header\n1 0 0 0\n"),
       HasSubstr("x, y and z that are numbers"));
+}
+
+TEST(PlyMessages, ShowNoBytesOfNamesThatTheFileMadeUp) {
+  try {
+    readPly("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+            "property float \xd7\x1b[2J\nend_header\n0 0 0 one\n",
+            "bad.ply");
+    FAIL() << "read";
+  } catch (const Error& e) {
+    EXPECT_EQ(printable(e.what(), 1000), e.what());
+  }
 }
 
 } // namespace
