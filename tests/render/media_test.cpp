@@ -373,6 +373,24 @@ f 6 1 7 12
   }
 }
 
+TEST(WhiteRoom, HidesTheGlassOfTheReports) {
+  const std::filesystem::path folder = CHAMFER_SOURCE_DIR "/../shared/data/reports/glass-furnace";
+  if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "the reports are not beside the project";
+  unsigned scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.ends_with(".scene.json")) continue;
+    const auto loaded = loadScene(entry.path(), folder, name);
+    const Extremes e = render(loaded, loaded->camera, 64, 32);
+    EXPECT_NEAR(e.mean, 1, 5e-3) << name;
+    if (name != "rough.scene.json") {
+      EXPECT_LE(e.most, 1 + 1e-4) << name;
+    }
+    ++scenes;
+  }
+  EXPECT_GE(scenes, 12u);
+}
+
 /// The crossings along a ray, as media see them, with what passes unbent.
 std::vector<Crossing> crossingsAlong(const PreparedScene& prepared, Ray ray) {
   const Media media(prepared.surfaces(), prepared.tracer());
