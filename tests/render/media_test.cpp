@@ -391,6 +391,23 @@ TEST(WhiteRoom, HidesTheGlassOfTheReports) {
   EXPECT_GE(scenes, 12u);
 }
 
+TEST(WhiteRoom, HidesGlassThatHasAnOpaqueFace) {
+  const TemporaryFolder folder;
+  folder.write("m.mtl", "newmtl glass\nKd 1 1 1\nd 0\nNi 1.2\nPr 0\nnewmtl white\nKd 1 1 1\nPr 1\n");
+  std::string obj = "mtllib m.mtl\n" + test::cubeObj();
+  const std::size_t first = obj.find("f "), second = obj.find("f ", first + 2);
+  obj.insert(second, "usemtl glass\n");
+  obj.insert(first, "usemtl white\n");
+  folder.write("painted.obj", obj);
+  for (const char* radius : {R"("radius":0.2)", R"("rounding":false)"}) {
+    const auto loaded =
+        loadText(folder, std::string(R"({"meshes":[{"name":"cube","file":"painted.obj",)") + radius +
+                             R"(}],"instances":[{"mesh":"cube"}],)" + kWhiteRoom + "}");
+    const Extremes e = render(loaded, lookAt({2.4, -2.9, 1.7}, {0, 0, 0}, 15), 32, 64);
+    EXPECT_NEAR(e.mean, 1, 0.01) << radius; // plastic's coat is by a table
+  }
+}
+
 /// The crossings along a ray, as media see them, with what passes unbent.
 std::vector<Crossing> crossingsAlong(const PreparedScene& prepared, Ray ray) {
   const Media media(prepared.surfaces(), prepared.tracer());

@@ -23,7 +23,7 @@ const Material* Media::at(const PathState& state, const Vector3& direction) cons
   const Material* medium = nullptr;
   for (const PathState::Place& p : state.places) {
     if (p.solid == kNone || !state.inside(p, direction)) continue;
-    const Material& m = surfaces_.material(p.instance, p.triangle);
+    const Material& m = surfaces_.filling(p.instance, p.triangle);
     if (!(m.transmission > 0)) continue; // a room's, a lamp's
     if (first && !displaces(p.instance, p.solid, first->instance, first->solid)) continue;
     first = &p;

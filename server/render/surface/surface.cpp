@@ -6,7 +6,21 @@
 namespace chamfer {
 
 Surfaces::Surfaces(std::shared_ptr<const Scene> scene, std::vector<MeshForm> forms, unsigned probes)
-    : scene_(std::move(scene)), forms_(std::move(forms)), probes_(probes) {}
+    : scene_(std::move(scene)), forms_(std::move(forms)), fillings_(forms_.size()), probes_(probes) {
+  const SceneData& data = *scene_->data;
+  for (std::size_t m = 0; m < forms_.size(); ++m) {
+    const MeshMaterials& own = data.meshMaterials[m];
+    if (!own.transmits || !forms_[m].rounding) continue;
+    const RoundingView& view = forms_[m].rounding->view();
+    fillings_[m].assign(view.solidCount(), kNone);
+    for (std::uint32_t t = 0; t < own.ofTriangle.size(); ++t) {
+      const std::uint32_t facet = view.facetOfTriangle[t];
+      if (facet == kNone || !(data.materials[own.ofTriangle[t]].transmission > 0)) continue;
+      std::uint32_t& first = fillings_[m][view.facets[facet].solid];
+      if (first == kNone) first = t;
+    }
+  }
+}
 
 const MeshForm* Surfaces::form(std::uint32_t instance) const {
   const std::uint32_t mesh = source(instance).mesh;
@@ -48,6 +62,18 @@ const Material& Surfaces::material(const InstanceSource& source, std::uint32_t o
 const Material& Surfaces::material(std::uint32_t instance, std::uint32_t triangle) const {
   const MeshForm* f = form(instance);
   return material(source(instance), f && f->explicitMesh ? f->explicitMesh->source(triangle) : triangle);
+}
+
+const Material& Surfaces::filling(std::uint32_t instance, std::uint32_t triangle) const {
+  const InstanceSource& s = source(instance);
+  if (s.material != kNone || s.mesh >= fillings_.size() || fillings_[s.mesh].empty())
+    return material(instance, triangle);
+  const MeshForm& f = forms_[s.mesh];
+  const std::uint32_t original = f.explicitMesh ? f.explicitMesh->source(triangle) : triangle;
+  const RoundingView& view = f.rounding->view();
+  const std::uint32_t facet = view.facetOfTriangle[original];
+  const std::uint32_t first = facet == kNone ? kNone : fillings_[s.mesh][view.facets[facet].solid];
+  return material(s, first == kNone ? original : first);
 }
 
 const Material* Surfaces::materialOfAll(std::uint32_t instance, std::uint32_t triangle) const {

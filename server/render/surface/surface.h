@@ -56,7 +56,10 @@ public:
   std::vector<TracedInstance> ownInstances() const;
   /// The material of a traced triangle, of the original surface's triangle that it stands for.
   const Material& material(std::uint32_t instance, std::uint32_t triangle) const;
-  /// The same; null where it has several.
+  /// What fills the solid that a traced triangle belongs to: of a rounded solid that several materials lie
+  /// on, the first of the mesh's triangles that light goes through has its say, wherever a path came in.
+  const Material& filling(std::uint32_t instance, std::uint32_t triangle) const;
+  /// As material(); null where it has several.
   const Material* materialOfAll(std::uint32_t instance, std::uint32_t triangle) const;
   std::size_t memoryBytes() const; ///< of explicit meshes, without hierarchies
 
@@ -79,6 +82,9 @@ private:
 
   std::shared_ptr<const Scene> scene_;
   std::vector<MeshForm> forms_;
+  /// By mesh and solid, the triangle that has its say; empty: the mesh has one material, or no light goes
+  /// through.
+  std::vector<std::vector<std::uint32_t>> fillings_;
   unsigned probes_;
 };
 
