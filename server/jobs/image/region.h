@@ -1,0 +1,43 @@
+// The part of a picture that a comparison looks at: a crop, and within it a mask.
+#pragma once
+
+#include "server/jobs/image/picture.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace chamfer {
+
+struct PixelRect {
+  unsigned x = 0, y = 0, width = 0, height = 0; ///< pixels, y down from the top
+  bool operator==(const PixelRect&) const = default;
+};
+
+/// "x,y,w,h". Error(Usage); Error(OutOfRange) where width or height is 0.
+PixelRect parsePixelRect(std::string_view text);
+
+/// What a case says about which pixels count, in the frame's coordinates.
+struct RegionChoice {
+  std::optional<PixelRect> crop;       ///< nothing: the whole picture
+  std::filesystem::path mask;          ///< an image: pixels above half count; empty: all
+  std::vector<PixelRect> only, except; ///< pixels in any of `only` (empty: all), but in none of `except`
+};
+
+/// For one size of pictures.
+struct Region {
+  PixelRect crop;
+  std::vector<std::uint8_t> counts; ///< [crop.height][crop.width], 0 or 1; empty: all do
+  std::size_t pixels = 0;           ///< that count; at least 1
+  std::string text; ///< of masks and rectangles, for reports; empty: every pixel of the crop counts
+};
+
+/// Error(OutOfRange): a crop or rectangle beyond the frame, a mask of another size, a region without any
+/// pixel. Reads the mask: readPicture()'s errors.
+Region regionOf(const RegionChoice& choice, unsigned frameWidth, unsigned frameHeight);
+
+/// The crop's part of the picture, variance and attributes included.
+Picture cropped(const Picture& picture, const PixelRect& crop);
+
+} // namespace chamfer
