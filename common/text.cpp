@@ -1,6 +1,7 @@
 #include "common/text.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <cstdio>
 
@@ -77,6 +78,12 @@ std::string numberText(double value, int digits) {
   char text[32];
   std::snprintf(text, sizeof text, "%.*g", digits, value);
   return text;
+}
+
+std::string exactNumberText(double value) {
+  char text[32];
+  const auto [end, status] = std::to_chars(text, text + sizeof text, value);
+  return status == std::errc{} ? std::string(text, end) : std::string("?");
 }
 
 std::string pointText(double x, double y, double z, int digits) {

@@ -1,5 +1,5 @@
-// Words and numbers for messages, and the few text helpers that every reader needs. ASCII rules; what is not
-// ASCII passes unchanged.
+// Words and numbers for messages, and the few text helpers that readers and writers need. ASCII rules; what
+// is not ASCII passes unchanged.
 #pragma once
 
 #include <cstddef>
@@ -30,6 +30,9 @@ inline std::string fileInQuotes(std::string_view name) { return inQuotes(name, 2
 
 /// A number for a message: so many digits at most, no zeros behind.
 std::string numberText(double value, int digits = 9);
+
+/// A number for what is read back: the shortest decimal text that gives the same double.
+std::string exactNumberText(double value);
 
 /// A place for a message: "(1, 2.5, -3)".
 std::string pointText(double x, double y, double z, int digits = 9);

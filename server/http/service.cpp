@@ -1,7 +1,7 @@
 #include "server/http/service.h"
 
-#include "server/http/connection/url.h"
 #include "server/http/monitoring/log.h"
+#include "server/render/request/query.h"
 
 #include <algorithm>
 #include <random>
@@ -174,6 +174,8 @@ std::optional<Problem> Service::screen(Request& request) const {
     return std::nullopt;
   } catch (const ProblemError& error) {
     return error.problem();
+  } catch (const Error& error) { // its path cannot be read
+    return problemOf(error, catalogue_.root().string());
   }
 }
 

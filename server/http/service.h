@@ -43,8 +43,8 @@ private:
     std::vector<std::string_view> segments; ///< of the request's path
     SceneMatch match;                       ///< of a row with a scene; its rest lies in `segments`
   };
-  /// Throws ProblemError for who may not ask, and for what is not there to be asked for. `row`: the
-  /// request's, as soon as it is known.
+  /// Throws ProblemError for who may not ask and for what is not there to be asked for, Error(Usage) for a
+  /// path with a broken escape. `row`: the request's, as soon as it is known.
   Target admit(const Request& request, const RouteRow*& row) const;
   Response route(const Request& request, const RouteRow*& row);
   Response answerRoute(const RouteRow& row, const Request& request);

@@ -1,5 +1,6 @@
 #include "common/text.h"
 
+#include <cstdlib>
 #include <gmock/gmock.h>
 
 namespace chamfer {
@@ -52,6 +53,12 @@ TEST(Text, NumbersAreShort) {
   EXPECT_EQ(numberText(2.0 / 3, 3), "0.667");
   EXPECT_EQ(pointText(1, -2.5, 1e10), "(1, -2.5, 1e+10)");
   EXPECT_EQ(pointText(1.0 / 3, 0, 0, 2), "(0.33, 0, 0)");
+}
+
+TEST(Text, ExactNumbersReadBack) {
+  for (const double value : {0.1, 1.0 / 3, 1e300, 5e-324, -0.25})
+    EXPECT_EQ(std::strtod(exactNumberText(value).c_str(), nullptr), value);
+  EXPECT_EQ(exactNumberText(1.0 / 3), "0.3333333333333333");
 }
 
 TEST(Text, LongListsSayHowManyWent) {

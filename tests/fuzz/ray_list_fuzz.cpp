@@ -1,11 +1,12 @@
 // The body of POST .../rays: any bytes are refused with a Problem, or are rays that a tracer can work with.
 #include "server/http/routes/problem.h"
 #include "server/http/routes/ray_list.h"
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 #include "tests/fuzz/require.h"
 
 #include <cmath>
 
+using namespace chamfer;
 using namespace chamfer::http;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -18,9 +19,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       REQUIRE(std::isfinite(origin.x) && std::isfinite(origin.y) && std::isfinite(origin.z));
       REQUIRE(std::isnormal(lengthSquared(direction)));
     }
-  } catch (const ProblemError& error) {
-    REQUIRE(error.problem().status == 400 || error.problem().status == 422);
-    (void)toResponse(error.problem(), "fuzz");
+  } catch (const Error& error) {
+    const Problem problem = problemOf(error, "");
+    REQUIRE(problem.status == 400 || problem.status == 422);
+    (void)toResponse(problem, "fuzz");
   }
   return 0;
 }

@@ -3,14 +3,17 @@
 #include "server/http/connection/request_head.h"
 #include "server/http/routes/problem.h"
 #include "server/http/routes/route_table.h"
-#include "server/http/routes/tile_request.h"
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
+#include "server/render/request/parameters.h"
+#include "server/render/request/query.h"
+#include "server/render/request/tile_request.h"
 #include "tests/fuzz/require.h"
 
 #include <cmath>
 
 namespace {
 
+using namespace chamfer;
 using namespace chamfer::http;
 
 void checkImage(const TileRequest& request, std::uint64_t mostPixels) {
@@ -28,12 +31,12 @@ void checkImage(const TileRequest& request, std::uint64_t mostPixels) {
       REQUIRE(std::isfinite(number));
     REQUIRE(camera->vfovDegrees > 0 && camera->vfovDegrees < 180);
   }
-  const chamfer::Digest scene{1, 2};
+  const Digest scene{1, 2};
   // Another scene and other noise are other answers.
   TileRequest other = request;
   other.settings.seed ^= 1;
-  REQUIRE(!(answerDigest(scene, request) == answerDigest({1, 3}, request)));
-  REQUIRE(!(answerDigest(scene, request) == answerDigest(scene, other)));
+  REQUIRE(!(answerDigest("1.0", scene, request) == answerDigest("1.0", {1, 3}, request)));
+  REQUIRE(!(answerDigest("1.0", scene, request) == answerDigest("1.0", scene, other)));
 }
 
 void parseTarget(std::string_view target) {
@@ -49,9 +52,10 @@ void parseTarget(std::string_view target) {
     if (match.row && match.row->id == RouteId::Frame)
       checkImage(parseFrame(match.rest, query), kMaxFramePixels);
     (void)parseQuery(query);
-  } catch (const ProblemError& error) {
-    REQUIRE(error.problem().status >= 400 && error.problem().status < 500);
-    (void)toResponse(error.problem(), "fuzz");
+  } catch (const Error& error) {
+    const Problem problem = problemOf(error, "");
+    REQUIRE(problem.status >= 400 && problem.status < 500);
+    (void)toResponse(problem, "fuzz");
   }
   (void)fixedRoute(path);
 }

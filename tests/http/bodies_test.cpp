@@ -1,5 +1,5 @@
 // Bodies: read from those only who may send them, at a pace, and never so that some clients shut out others.
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 #include "tests/http/server_fixture.h"
 
 #include <gmock/gmock.h>
@@ -42,6 +42,7 @@ TEST_F(Bodies, AreNotWaitedForWhereTheHeadSaysEnough) {
       {headOf(kMaxBodyBytes + 1, key), 413},
       {headOf(kMaxBodyBytes, key + "Sec-Fetch-Site: cross-site\r\n"), 403},
       {headOf(kMaxBodyBytes, key, "/v1/nothing"), 404},
+      {headOf(kMaxBodyBytes, key, "/v1/scenes/cube%zz/rays"), 400},
       {headOf(kMaxBodyBytes, key, "/v1/info"), 405},
       {headOf(kMaxBodyBytes, key, "/"), 405},
       {"POST /v1/scenes/cube/rays HTTP/1.1\r\nHost: evil.example\r\n" + key + "Content-Length: 9\r\n\r\n",

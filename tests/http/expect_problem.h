@@ -1,4 +1,4 @@
-// Expectations about ProblemErrors.
+// Expectations about errors that become answers.
 #pragma once
 
 #include "server/http/routes/problem.h"
@@ -7,7 +7,7 @@
 
 namespace chamfer::test {
 
-/// Runs `action`, which must throw a ProblemError with this status; returns its problem.
+/// Runs `action`, which must throw what is answered with this status; returns the problem.
 template <class Action>
 http::Problem problemFrom(Action&& action, int status) {
   try {
@@ -16,6 +16,11 @@ http::Problem problemFrom(Action&& action, int status) {
     EXPECT_EQ(error.problem().status, status) << error.problem().detail;
     EXPECT_FALSE(error.problem().detail.empty());
     return error.problem();
+  } catch (const Error& error) {
+    const http::Problem problem = http::problemOf(error, "");
+    EXPECT_EQ(problem.status, status) << problem.detail;
+    EXPECT_FALSE(problem.detail.empty());
+    return problem;
   }
   ADD_FAILURE() << "nothing was refused";
   return {};

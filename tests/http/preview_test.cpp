@@ -1,6 +1,6 @@
 // GET .../preview.glb, read back by tinygltf: triangles, places, colours.
 #include "server/http/routes/preview_glb.h"
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 #include "tests/http/service_fixture.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 #include "server/http/routes/ray_list.h"
 
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 #include "tests/http/expect_problem.h"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "server/http/connection/request_head.h"
 
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 
 #include <gtest/gtest.h>
 

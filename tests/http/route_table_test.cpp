@@ -1,6 +1,6 @@
 #include "server/http/routes/route_table.h"
 
-#include "server/http/connection/url.h"
+#include "server/render/request/query.h"
 
 #include <gtest/gtest.h>
 

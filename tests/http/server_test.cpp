@@ -1,5 +1,5 @@
 // The server on a real socket: framing, attacks on it, slow clients, clients that leave.
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 #include "tests/http/server_fixture.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,7 @@
 // Routes without sockets: who is let in, what is found, what errors look like.
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 #include "server/http/version.h"
+#include "server/render/request/parameters.h"
 #include "tests/http/service_fixture.h"
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 #include "server/render/cli/render_command.h"
 
-#include "server/render/cli/render_words.h"
 #include "server/render/image/image_io.h"
+#include "server/render/request/render_words.h"
 #include "tests/render/scene_files_fixture.h"
 
 #include <gmock/gmock.h>

@@ -1,9 +1,9 @@
 #include "server/http/catalogue/prepared_cache.h"
 
 #include "common/error.h"
+#include "common/text.h"
 #include "server/http/routes/problem.h"
-#include "server/http/schema/schema.h"
-#include "server/render/cli/render_words.h"
+#include "server/render/request/render_words.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,8 +15,8 @@ constexpr std::chrono::milliseconds kPoll{50};
 
 std::string keyOf(const Scene& scene, const RoundingChoice& choice) {
   return scene.id.hex() + '|' + roundingWord(choice) + '|' +
-         (choice.radius ? numberText(*choice.radius) : "") + '|' +
-         (choice.radiusClamp ? numberText(*choice.radiusClamp) : "");
+         (choice.radius ? exactNumberText(*choice.radius) : "") + '|' +
+         (choice.radiusClamp ? exactNumberText(*choice.radiusClamp) : "");
 }
 
 } // namespace

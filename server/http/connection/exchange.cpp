@@ -1,6 +1,6 @@
 #include "server/http/connection/loop.h"
 
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 
 #include <array>
 #include <cerrno>

@@ -2,7 +2,7 @@
 
 #include "common/text.h"
 
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,5 +1,7 @@
 #include "server/http/routes/problem.h"
 
+#include "server/render/request/parameter_error.h"
+
 #include <nlohmann/json.hpp>
 
 namespace chamfer::http {
@@ -91,6 +93,13 @@ std::string withoutRoot(std::string message, const std::string& root) {
 
 Problem problemOf(const Error& error, const std::string& root) {
   Problem problem{.status = httpStatus(error.kind()), .kind = errorWord(error.kind())};
+  if (const auto* asked = dynamic_cast<const ParameterError*>(&error)) {
+    problem.detail = error.what(); // of the request, which knows no path of the server
+    problem.parameter = asked->parameter();
+    problem.value = asked->value();
+    problem.limits = asked->limits();
+    return problem;
+  }
   if (error.kind() == ErrorKind::Internal)
     problem.detail = "a defect of the server; its log has more under this request's id";
   else

@@ -33,7 +33,8 @@ struct Problem {
   Scarcity scarcity = Scarcity::None; ///< for the metrics
 };
 
-/// Thrown by parsers and routes.
+/// Thrown by what knows of HTTP. What a picture is asked by is refused with Errors, which problemOf() turns
+/// into the same.
 class ProblemError : public std::runtime_error {
 public:
   explicit ProblemError(Problem problem) : std::runtime_error(problem.detail), problem_(std::move(problem)) {}
@@ -51,7 +52,7 @@ Problem unsupportedMedia(std::string detail);
 Problem busy(std::string detail, int retryAfterSeconds, Scarcity scarcity = Scarcity::None);
 
 /// The table's status and word for an Error; its message is ours, `root` (the served folder) is cut out of
-/// it.
+/// it. A ParameterError's parameter, value and limits are the problem's.
 Problem problemOf(const Error& error, const std::string& root);
 /// `message` with every mention of the folder `root` removed, so that only names below it remain.
 std::string withoutRoot(std::string message, const std::string& root);

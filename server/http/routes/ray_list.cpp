@@ -1,8 +1,10 @@
 #include "server/http/routes/ray_list.h"
 
-#include "server/http/routes/problem.h"
-#include "server/http/routes/tile_request.h"
-#include "server/http/schema/schema.h"
+#include "common/text.h"
+#include "server/http/schema/limits.h"
+#include "server/render/request/parameter_error.h"
+#include "server/render/request/parameters.h"
+#include "server/render/request/tile_request.h"
 
 #include <charconv>
 #include <cmath>
@@ -53,9 +55,9 @@ public:
   }
   bool key(string_t& name) override {
     if (!keys_.insert(name).second)
-      refuse(400, name, name, "the key \"" + name + "\" is given more than once");
+      refuse(ErrorKind::Usage, name, name, "the key \"" + name + "\" is given more than once");
     if (name != "rays" && name != "rounding" && name != "radius" && name != "radius_clamp" && name != "tnear")
-      refuse(400, name, name,
+      refuse(ErrorKind::Usage, name, name,
              "there is no key \"" + name + "\"; known: rays, rounding, radius, radius_clamp, tnear");
     key_ = name;
     return true;
@@ -68,7 +70,7 @@ public:
     }
     if (depth_ == 2) {
       if (list.rays.size() == kMaxRays)
-        refuse(422, "rays", std::to_string(kMaxRays + 1) + " or more",
+        refuse(ErrorKind::OutOfRange, "rays", std::to_string(kMaxRays + 1) + " or more",
                "one call takes at most " + std::to_string(kMaxRays) + " rays; send the rest in another");
       depth_ = 3;
       component_ = 0;
@@ -86,25 +88,20 @@ public:
     // The library's text stays here: 406 is its number for a numeral beyond double, everything else is
     // syntax.
     if (error.id == 406)
-      refuse(422, place(), token,
+      refuse(ErrorKind::OutOfRange, place(), token,
              "the number at byte " + std::to_string(position) + where() + " is beyond double");
-    refuse(400, "body", token,
+    refuse(ErrorKind::Usage, "body", token,
            "the body is not JSON: it goes wrong at byte " + std::to_string(position) + where());
   }
 
 private:
-  [[noreturn]] void refuse(int status, const std::string& parameter, const std::string& value,
+  [[noreturn]] void refuse(ErrorKind kind, const std::string& parameter, const std::string& value,
                            const std::string& detail) const {
     std::string limits;
     for (const ParameterRow& row : parameterRows())
       if (row.name == key_) limits = limitsJson(row);
     if (parameter == "rays") limits = "{\"maximum\":" + std::to_string(kMaxRays) + "}";
-    throw ProblemError({.status = status,
-                        .kind = errorWord(status == 422 ? ErrorKind::OutOfRange : ErrorKind::Usage),
-                        .detail = detail,
-                        .parameter = parameter,
-                        .value = value,
-                        .limits = limits});
+    throw ParameterError(kind, detail, parameter, value, limits);
   }
 
   /// The place that a value stands at, as a JSON path.
@@ -120,21 +117,24 @@ private:
   /// A value of a kind that has no business where it stands.
   [[noreturn]] bool scalar(const std::string& value) const {
     const std::string at = place();
-    if (depth_ == 0) refuse(400, at, value, "the body must be an object with the key \"rays\"");
-    if (depth_ == 1 && key_ == "rays") refuse(400, at, value, "rays must be a list of rays");
-    if (depth_ == 1 && key_ == "rounding") refuse(400, at, value, "rounding must be a word in quotes");
-    if (depth_ == 1) refuse(400, at, value, key_ + " must be a number");
-    if (depth_ == 2) refuse(400, at, value, at + " must be a list of six numbers: ox,oy,oz,dx,dy,dz");
-    refuse(400, at, value,
+    if (depth_ == 0) refuse(ErrorKind::Usage, at, value, "the body must be an object with the key \"rays\"");
+    if (depth_ == 1 && key_ == "rays") refuse(ErrorKind::Usage, at, value, "rays must be a list of rays");
+    if (depth_ == 1 && key_ == "rounding")
+      refuse(ErrorKind::Usage, at, value, "rounding must be a word in quotes");
+    if (depth_ == 1) refuse(ErrorKind::Usage, at, value, key_ + " must be a number");
+    if (depth_ == 2)
+      refuse(ErrorKind::Usage, at, value, at + " must be a list of six numbers: ox,oy,oz,dx,dy,dz");
+    refuse(ErrorKind::Usage, at, value,
            at + (component_ < 6 ? std::string(" (") + kComponents[component_] + ")" : std::string()) +
                " must be a number");
   }
 
   bool number(double value, const std::string& text) {
     if (depth_ == 3) {
-      if (component_ == 6) refuse(400, place(), text, place() + ": a ray has six numbers, this one has more");
+      if (component_ == 6)
+        refuse(ErrorKind::Usage, place(), text, place() + ": a ray has six numbers, this one has more");
       if (!std::isfinite(value) || std::abs(value) > parameterRow("rays").maximum)
-        refuse(422, place(), text,
+        refuse(ErrorKind::OutOfRange, place(), text,
                place() + " (" + kComponents[component_] + ") must be a finite number within +-1e30");
       numbers_[component_++] = value;
       return true;
@@ -160,14 +160,15 @@ private:
   void finishRay() {
     depth_ = 2; // the message's place is the ray, not a component
     if (component_ != 6)
-      refuse(400, place(), "a list of " + std::to_string(component_),
+      refuse(ErrorKind::Usage, place(), "a list of " + std::to_string(component_),
              place() + " must have six numbers, it has " + std::to_string(component_));
     const Ray ray{{numbers_[0], numbers_[1], numbers_[2]}, {numbers_[3], numbers_[4], numbers_[5]}};
-    if (ray.direction == Vector3{}) refuse(422, place(), "0,0,0", place() + ": the direction is zero");
+    if (ray.direction == Vector3{})
+      refuse(ErrorKind::OutOfRange, place(), "0,0,0", place() + ": the direction is zero");
     // The tracer works with the square of a direction's length.
     const double squared = lengthSquared(ray.direction);
     if (!std::isnormal(squared))
-      refuse(422, place(), numberText(length(ray.direction)),
+      refuse(ErrorKind::OutOfRange, place(), exactNumberText(length(ray.direction)),
              place() + ": the square of the direction's length is beyond double");
     list.rays.push_back(ray);
     depth_ = 3;
@@ -223,11 +224,7 @@ const char* featureWord(Feature feature) {
 RayList parseRayList(std::string_view body) {
   Reader reader;
   nlohmann::json::sax_parse(body.begin(), body.end(), &reader);
-  if (!reader.seenRays) {
-    Problem problem = badRequest("the key \"rays\" is missing");
-    problem.parameter = "rays";
-    throw ProblemError(problem);
-  }
+  if (!reader.seenRays) throw ParameterError(ErrorKind::Usage, "the key \"rays\" is missing", "rays");
   if (reader.list.rounding.mode == RoundingMode::None) {
     reader.list.rounding.radius.reset();
     reader.list.rounding.radiusClamp.reset();

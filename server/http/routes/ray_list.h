@@ -20,8 +20,8 @@ struct RayList {
   double tnear = 0; ///< in lengths of each ray's direction
 };
 
-/// Reads the body in one pass, without building a document. Throws ProblemError, 400 for what is not of that
-/// form and 422 for values out of range; each names the ray's index, the component and the value.
+/// Reads the body in one pass, without building a document. Throws ParameterError, Usage for what is not of
+/// that form and OutOfRange for values out of range; each names the ray's index, the component and the value.
 RayList parseRayList(std::string_view body);
 
 /// `hits` in the rays' order, nothing for a miss. Numbers read back as the same doubles; one that is not

@@ -1,13 +1,15 @@
 // Tiles and frames: queue, prepare, render, encode.
-#include "server/http/connection/url.h"
+#include "common/text.h"
 #include "server/http/monitoring/log.h"
 #include "server/http/queue/render_pace.h"
 #include "server/http/queue/stage_timing.h"
+#include "server/http/routes/content_type.h"
 #include "server/http/routes/problem.h"
 #include "server/http/routes/routes.h"
-#include "server/http/routes/tile_request.h"
-#include "server/http/schema/schema.h"
+#include "server/http/version.h"
 #include "server/render/image/image_io.h"
+#include "server/render/request/query.h"
+#include "server/render/request/tile_request.h"
 
 #include <cmath>
 
@@ -56,8 +58,8 @@ RenderResult renderedInTime(const Parts& parts, const Request& request, const Pr
   throw ProblemError({.status = 422,
                       .kind = errorWord(ErrorKind::OutOfRange),
                       .detail = "at the pace of its beginning this would take " +
-                                numberText(std::ceil(seconds / pace.share())) +
-                                " seconds, and the server gives up after " + numberText(seconds) +
+                                exactNumberText(std::ceil(seconds / pace.share())) +
+                                " seconds, and the server gives up after " + exactNumberText(seconds) +
                                 "; ask for a smaller tile or fewer samples, about " + std::to_string(most) +
                                 " pixels times samples in all",
                       .parameter = "samples",
@@ -67,7 +69,7 @@ RenderResult renderedInTime(const Parts& parts, const Request& request, const Pr
 
 Response imageRoute(const Parts& parts, const Request& request, const std::shared_ptr<const Scene>& scene,
                     const TileRequest& wanted) {
-  const std::string etag = '"' + answerDigest(scene->id, wanted).hex() + '"';
+  const std::string etag = '"' + answerDigest(kVersion, scene->id, wanted).hex() + '"';
   Response response = taggedAnswer(request, etag, contentTypeOf(wanted.format), kForever);
   if (response.status == 304 || request.method == "HEAD") return response; // known without rendering
 

@@ -1,7 +1,8 @@
 #include "server/http/routes/routes.h"
+#include "server/http/schema/limits.h"
 #include "server/http/schema/openapi.h"
-#include "server/http/schema/schema.h"
 #include "server/http/version.h"
+#include "server/render/request/parameters.h"
 #include "server/render/surface/rounded_mesh.h"
 #include "server/render/tracing/tracer.h"
 

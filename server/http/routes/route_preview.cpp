@@ -4,7 +4,7 @@
 #include "server/http/routes/preview_glb.h"
 #include "server/http/routes/problem.h"
 #include "server/http/routes/routes.h"
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 #include "server/http/version.h"
 
 namespace chamfer::http {

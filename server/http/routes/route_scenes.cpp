@@ -1,8 +1,8 @@
+#include "common/text.h"
 #include "server/http/routes/problem.h"
 #include "server/http/routes/routes.h"
 #include "server/http/routes/scene_json.h"
-#include "server/http/schema/schema.h"
-#include "server/render/cli/render_words.h"
+#include "server/render/request/render_words.h"
 
 namespace chamfer::http {
 
@@ -55,14 +55,14 @@ std::shared_ptr<const PreparedScene> preparedFor(const Parts& parts,
       problem.value = roundingWord(choice);
       for (const auto& [key, value] : error.details())
         if (key == "largest_segments")
-          problem.limits = "{\"maximum\":" + numberText(value) + ",\"unit\":\"segments\"}";
+          problem.limits = "{\"maximum\":" + exactNumberText(value) + ",\"unit\":\"segments\"}";
       throw ProblemError(problem);
     }
     if (error.kind() != ErrorKind::RadiusTooLarge || !choice.radius) throw;
     problem.parameter = "radius";
-    problem.value = numberText(*choice.radius);
+    problem.value = exactNumberText(*choice.radius);
     if (const double max = radiusRange(*scene).max; max > 0)
-      problem.limits = "{\"above\":0,\"below\":" + numberText(max) + ",\"unit\":\"mesh units\"}";
+      problem.limits = "{\"above\":0,\"below\":" + exactNumberText(max) + ",\"unit\":\"mesh units\"}";
     throw ProblemError(problem);
   }
 }

@@ -1,8 +1,7 @@
 #include "server/http/routes/route_table.h"
 
-#include "server/http/connection/url.h"
-
 #include "common/error.h"
+#include "server/render/request/query.h"
 
 #include <algorithm>
 

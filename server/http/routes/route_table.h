@@ -1,6 +1,6 @@
 // Every resource of the interface, one row each. The service finds a request's route here, metrics are
 // labelled with its template, and /v1/openapi.json is printed from it together with the parameters' rows
-// (schema.h).
+// (render/request/parameters.h).
 #pragma once
 
 #include <cstdint>
@@ -29,11 +29,11 @@ enum class RouteId : std::uint8_t {
 /// Lists are words with blanks between them.
 struct RouteRow {
   RouteId id;
-  std::string_view path;     ///< template; what stands in braces is a row of schema.h, or {file}
+  std::string_view path;     ///< template; what stands in braces is a row of parameters.h, or {file}
   std::string_view methods;  ///< as in Allow
   bool anyHost;              ///< answered whatever Host says
   bool needsKey;             ///< where the server has keys
-  std::string_view takes;    ///< "query" or "body": all rows of schema.h that stand there; empty: neither
+  std::string_view takes;    ///< "query" or "body": all rows of parameters.h that stand there; empty: neither
   std::string_view produces; ///< media types of the answer
   std::string_view schema;   ///< of a JSON answer, a component of openapi_schemas.h
   std::string_view statuses; ///< that its own work can have; every route can answer 400, 405, 414, 431, 503
@@ -57,7 +57,7 @@ struct SceneMatch {
 };
 /// The route of a path with a scene in it; `segments`: of the path, as sent. A scene's name may hold slashes,
 /// sent plain or as %2F: what looks like a resource below a scene is one, unless a scene has all of it as its
-/// name. Throws ProblemError (400) for a broken escape.
+/// name. Throws Error(Usage) for a broken escape.
 SceneMatch sceneRouteOf(std::span<const std::string_view> segments,
                         const std::function<bool(const std::string& name)>& isScene);
 

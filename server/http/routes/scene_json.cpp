@@ -1,7 +1,7 @@
 #include "server/http/routes/scene_json.h"
 
 #include "server/http/routes/problem.h"
-#include "server/render/cli/render_words.h"
+#include "server/render/request/render_words.h"
 #include "server/render/scene/scene_data.h"
 
 #include <algorithm>

@@ -2,12 +2,13 @@
 
 #include "common/text.h"
 
+#include "server/http/routes/content_type.h"
 #include "server/http/routes/problem.h"
 #include "server/http/routes/route_table.h"
-#include "server/http/routes/tile_request.h"
+#include "server/http/schema/limits.h"
 #include "server/http/schema/openapi_schemas.h"
-#include "server/http/schema/schema.h"
 #include "server/http/version.h"
+#include "server/render/request/parameters.h"
 
 #include <algorithm>
 #include <cctype>
@@ -116,8 +117,8 @@ std::string described(const ParameterRow& row) {
   if (!row.unit.empty()) text += (text.empty() ? "" : "; ") + std::string(row.unit);
   for (const ParameterRow& part : parameterRows())
     if (part.where == row.name)
-      text += "; " + std::string(part.name) + ": " + numberText(part.minimum) + " to " +
-              numberText(part.maximum) + ' ' + std::string(part.unit);
+      text += "; " + std::string(part.name) + ": " + exactNumberText(part.minimum) + " to " +
+              exactNumberText(part.maximum) + ' ' + std::string(part.unit);
   if (!row.fallback.empty()) text += "; default: " + std::string(row.fallback);
   return text;
 }

@@ -1,6 +1,6 @@
 // The interface described for programs: an OpenAPI 3.1 document, made from the table of routes
-// (route_table.h), the rows of parameters and limits (schema.h) that requests are checked against, and the
-// schemas of the answers (openapi_schemas.h).
+// (route_table.h), the rows of parameters (render/request/parameters.h) and limits (limits.h) that requests
+// are checked against, and the schemas of the answers (openapi_schemas.h).
 #pragma once
 
 #include <nlohmann/json.hpp>

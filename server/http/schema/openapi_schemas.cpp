@@ -1,6 +1,6 @@
 #include "server/http/schema/openapi_schemas.h"
 
-#include "server/http/schema/schema.h"
+#include "server/http/schema/limits.h"
 
 namespace chamfer::http {
 namespace {

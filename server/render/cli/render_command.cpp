@@ -4,8 +4,8 @@
 #include "common/progress_line.h"
 #include "common/text.h"
 #include "server/render/cli/render_report.h"
-#include "server/render/cli/render_words.h"
 #include "server/render/image/image_io.h"
+#include "server/render/request/render_words.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 #include "server/render/cli/render_report.h"
 
-#include "server/render/cli/render_words.h"
+#include "server/render/request/render_words.h"
 
 #include <cstdio>
 #include <nlohmann/json.hpp>

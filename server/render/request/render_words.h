@@ -8,6 +8,9 @@
 
 namespace chamfer {
 
+/// Of mesh:K and bevel:N.
+inline constexpr unsigned kMaxRoundingCount = 256;
+
 /// "none", "analytic", "mesh:K" (K 1..256 segments) or "bevel:N" (N 1..256 probes); `radius` and
 /// `radiusClamp` are left empty. Throws Error(Usage) for another word, Error(OutOfRange) for a count outside
 /// its limits.

@@ -1,4 +1,4 @@
-// Request targets taken apart strictly: nothing is repaired, every byte is accounted for.
+// URLs' paths and queries taken apart strictly: nothing is repaired, every byte is accounted for.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace chamfer::http {
+namespace chamfer {
 
 /// Decodes %XX; '+' stays a plus. Nothing for a broken escape or one that yields a control character (0-31,
 /// 127).
@@ -20,12 +20,12 @@ std::string percentEncode(std::string_view text, bool keepSlashes = true);
 /// gives a last empty segment; "/" gives one empty segment.
 std::vector<std::string_view> splitPath(std::string_view path);
 
-/// The segments decoded, '/' between them. Throws ProblemError (400) for a broken escape.
+/// The segments decoded, '/' between them. Throws Error(Usage) for a broken escape.
 std::string decodePath(std::span<const std::string_view> segments);
 
 /// Decoded name=value pairs in the order sent.
 using Query = std::vector<std::pair<std::string, std::string>>;
-/// Throws ProblemError (400): a part without '=', an empty name, a broken escape, or a name given twice.
+/// Throws ParameterError(Usage): a part without '=', an empty name, a broken escape, or a name given twice.
 Query parseQuery(std::string_view text);
 
-} // namespace chamfer::http
+} // namespace chamfer

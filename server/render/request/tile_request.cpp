@@ -1,22 +1,20 @@
-#include "server/http/routes/tile_request.h"
+#include "server/render/request/tile_request.h"
 
-#include "server/http/routes/problem.h"
-#include "server/http/schema/schema.h"
-#include "server/http/version.h"
-#include "server/render/cli/render_words.h"
+#include "common/text.h"
+#include "server/render/request/parameter_error.h"
+#include "server/render/request/parameters.h"
+#include "server/render/request/query.h"
+#include "server/render/request/render_words.h"
 
 #include <array>
 #include <cmath>
 
-namespace chamfer::http {
+namespace chamfer {
 namespace {
 
 constexpr ImageFormat kFormats[] = {ImageFormat::F16, ImageFormat::Exr, ImageFormat::Png};
 
-std::string decoded(std::string_view segment) {
-  if (auto text = percentDecode(segment)) return *text;
-  throw ProblemError(badRequest("the path has a broken percent escape, or one of a control character"));
-}
+std::string decoded(std::string_view segment) { return decodePath({&segment, 1}); }
 
 /// Cuts `text` at every `separator`.
 std::vector<std::string_view> split(std::string_view text, char separator) {
@@ -85,59 +83,45 @@ std::string queryNames() {
   return names;
 }
 
-void parseQueryInto(std::string_view text, TileRequest& request) {
-  for (const auto& [name, value] : parseQuery(text)) {
-    if (name == "camera")
-      request.settings.camera = parseCamera(value);
-    else if (name == "rounding") {
-      const RoundingChoice choice = parseRoundingWord(value);
-      request.rounding.mode = choice.mode;
-      request.rounding.count = choice.count;
-    } else if (name == "radius")
-      request.rounding.radius = readNumber(parameterRow("radius"), value);
-    else if (name == "radius_clamp")
-      request.rounding.radiusClamp = readNumber(parameterRow("radius_clamp"), value) + 0.0; // no minus zero
-    else if (name == "seed")
-      request.settings.seed = readInteger(parameterRow("seed"), value);
-    else if (name == "bounces")
-      request.settings.maxBounces = readInteger(parameterRow("bounces"), value);
-    else if (name == "clamp")
-      request.settings.indirectClamp = float(readNumber(parameterRow("clamp"), value));
-    else if (name == "aov") {
-      try {
-        request.settings.aov = parseAov(value);
-      } catch (const Error& error) {
-        throwSyntax(parameterRow("aov"), value, error.what());
-      }
-    } else {
-      Problem problem = badRequest("there is no parameter \"" + name + "\"; known: " + queryNames());
-      problem.parameter = name;
-      problem.value = value;
-      throw ProblemError(problem);
-    }
-  }
-  // The sharp mesh has no radius: one spelling for it.
-  if (request.rounding.mode == RoundingMode::None) {
-    request.rounding.radius.reset();
-    request.rounding.radiusClamp.reset();
-  }
+void readQuery(std::string_view text, TileRequest& request) {
+  for (const auto& [name, value] : parseQuery(text))
+    readParameter(request, name, value);
 }
 
 void checkWork(const TileRequest& request, std::uint64_t maxPixels) {
   const std::uint64_t pixels = std::uint64_t{request.tile.width} * request.tile.height;
   const auto refuse = [](const char* parameter, std::uint64_t value, std::uint64_t limit,
                          const std::string& what) {
-    throw ProblemError({.status = 422,
-                        .kind = errorWord(ErrorKind::OutOfRange),
-                        .detail = what + " " + std::to_string(value) + " exceed " + std::to_string(limit),
-                        .parameter = parameter,
-                        .value = std::to_string(value),
-                        .limits = "{\"maximum\":" + std::to_string(limit) + "}"});
+    throw ParameterError(ErrorKind::OutOfRange,
+                         what + " " + std::to_string(value) + " exceed " + std::to_string(limit), parameter,
+                         std::to_string(value), "{\"maximum\":" + std::to_string(limit) + "}");
   };
   if (pixels > maxPixels) refuse("pixels", pixels, maxPixels, "the image's pixels");
   if (pixels * request.samples() > kMaxRequestSamples)
     refuse("samples", pixels * request.samples(), kMaxRequestSamples,
            "pixels times samples of one request, ask for a smaller tile or fewer samples:");
+}
+
+/// canonicalSettings() with `format` in it: the text of answers' digests, whose order must stay.
+std::string spelled(const TileRequest& request, const std::string& format) {
+  const RenderSettings& s = request.settings;
+  const TileRect& t = request.tile;
+  std::string text;
+  for (const unsigned number :
+       {s.width, s.height, t.x, t.y, t.width, t.height, s.firstSample, s.endSample, s.seed, s.maxBounces})
+    text += std::to_string(number) + '|';
+  text += format;
+  text += std::string(aovWord(s.aov)) + '|' + roundingWord(request.rounding);
+  text += '|' + (request.rounding.radius ? exactNumberText(*request.rounding.radius) : std::string());
+  if (request.rounding.radiusClamp) text += "|radius clamp " + exactNumberText(*request.rounding.radiusClamp);
+  if (s.indirectClamp > 0) text += "|clamp " + exactNumberText(double(s.indirectClamp));
+  if (s.camera) {
+    const Camera& c = *s.camera;
+    for (const double number : {c.eye.x, c.eye.y, c.eye.z, c.target.x, c.target.y, c.target.z, c.up.x, c.up.y,
+                                c.up.z, c.vfovDegrees, c.apertureDiameter, c.focusDistance})
+      text += '|' + exactNumberText(number);
+  }
+  return text;
 }
 
 } // namespace
@@ -150,18 +134,6 @@ const char* formatWord(ImageFormat format) {
     return "exr";
   case ImageFormat::Png:
     return "png";
-  }
-  return "";
-}
-
-const char* contentTypeOf(ImageFormat format) {
-  switch (format) {
-  case ImageFormat::F16:
-    return "application/vnd.chamfer.f16";
-  case ImageFormat::Exr:
-    return "image/x-exr";
-  case ImageFormat::Png:
-    return "image/png";
   }
   return "";
 }
@@ -203,50 +175,69 @@ Camera parseCamera(std::string_view text) {
   return camera;
 }
 
+void readParameter(TileRequest& request, std::string_view name, std::string_view value) {
+  if (name == "camera")
+    request.settings.camera = parseCamera(value);
+  else if (name == "rounding") {
+    const RoundingChoice choice = parseRoundingWord(value);
+    request.rounding.mode = choice.mode;
+    request.rounding.count = choice.count;
+  } else if (name == "radius")
+    request.rounding.radius = readNumber(parameterRow("radius"), value);
+  else if (name == "radius_clamp")
+    request.rounding.radiusClamp = readNumber(parameterRow("radius_clamp"), value) + 0.0; // no minus zero
+  else if (name == "seed")
+    request.settings.seed = readInteger(parameterRow("seed"), value);
+  else if (name == "bounces")
+    request.settings.maxBounces = readInteger(parameterRow("bounces"), value);
+  else if (name == "clamp")
+    request.settings.indirectClamp = float(readNumber(parameterRow("clamp"), value));
+  else if (name == "aov") {
+    try {
+      request.settings.aov = parseAov(value);
+    } catch (const Error& error) {
+      throwSyntax(parameterRow("aov"), value, error.what());
+    }
+  } else
+    throw ParameterError(ErrorKind::Usage,
+                         "there is no parameter \"" + std::string(name) + "\"; known: " + queryNames(),
+                         std::string(name), std::string(value));
+  if (request.rounding.mode == RoundingMode::None) {
+    request.rounding.radius.reset();
+    request.rounding.radiusClamp.reset();
+  }
+}
+
 TileRequest parseTile(std::span<const std::string_view> segments, std::string_view query) {
   if (segments.size() != 3)
-    throw ProblemError(notFound("a tile is tiles/{W}x{H}/{x},{y},{w},{h}/{s0}-{s1}.{f16|exr|png}"));
+    throw Error(ErrorKind::NotFound, "a tile is tiles/{W}x{H}/{x},{y},{w},{h}/{s0}-{s1}.{f16|exr|png}");
   TileRequest request;
   parseSize(segments[0], request.settings);
   parseRectangle(segments[1], request.settings, request.tile);
   parseSamples(segments[2], request);
-  parseQueryInto(query, request);
+  readQuery(query, request);
   checkWork(request, kMaxTilePixels);
   return request;
 }
 
 TileRequest parseFrame(std::span<const std::string_view> segments, std::string_view query) {
-  if (segments.size() != 2) throw ProblemError(notFound("a frame is frames/{W}x{H}/{s0}-{s1}.{exr|png}"));
+  if (segments.size() != 2) throw Error(ErrorKind::NotFound, "a frame is frames/{W}x{H}/{s0}-{s1}.{exr|png}");
   TileRequest request;
   parseSize(segments[0], request.settings);
   request.tile = {0, 0, request.settings.width, request.settings.height};
   parseSamples(segments[1], request);
   if (request.format == ImageFormat::F16)
     throwSyntax(parameterRow("format"), "f16", "a frame is exr or png; f16 is for tiles");
-  parseQueryInto(query, request);
+  readQuery(query, request);
   checkWork(request, kMaxFramePixels);
   return request;
 }
 
-Digest answerDigest(const Digest& scene, const TileRequest& request) {
-  const RenderSettings& s = request.settings;
-  const TileRect& t = request.tile;
-  std::string text = std::string(kVersion) + '|' + scene.hex();
-  for (const unsigned number :
-       {s.width, s.height, t.x, t.y, t.width, t.height, s.firstSample, s.endSample, s.seed, s.maxBounces})
-    text += '|' + std::to_string(number);
-  text += std::string("|") + formatWord(request.format) + '|' + aovWord(s.aov) + '|' +
-          roundingWord(request.rounding);
-  text += '|' + (request.rounding.radius ? numberText(*request.rounding.radius) : std::string());
-  if (request.rounding.radiusClamp) text += "|radius clamp " + numberText(*request.rounding.radiusClamp);
-  if (s.indirectClamp > 0) text += "|clamp " + numberText(double(s.indirectClamp));
-  if (s.camera) {
-    const Camera& c = *s.camera;
-    for (const double number : {c.eye.x, c.eye.y, c.eye.z, c.target.x, c.target.y, c.target.z, c.up.x, c.up.y,
-                                c.up.z, c.vfovDegrees, c.apertureDiameter, c.focusDistance})
-      text += '|' + numberText(number);
-  }
-  return digestOf(text);
+std::string canonicalSettings(const TileRequest& request) { return spelled(request, ""); }
+
+Digest answerDigest(std::string_view version, const Digest& scene, const TileRequest& request) {
+  return digestOf(std::string(version) + '|' + scene.hex() + '|' +
+                  spelled(request, std::string(formatWord(request.format)) + '|'));
 }
 
-} // namespace chamfer::http
+} // namespace chamfer

@@ -1,13 +1,15 @@
-#include "server/http/schema/schema.h"
+#include "server/render/request/parameters.h"
 
 #include "common/sidecar.h"
-#include "server/http/routes/problem.h"
+#include "common/text.h"
+#include "server/render/request/parameter_error.h"
+#include "server/render/request/render_words.h"
 
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace chamfer::http {
+namespace chamfer {
 namespace {
 
 constexpr double kMaxCoordinate = 1e12;
@@ -39,9 +41,10 @@ constexpr ParameterRow kRows[] = {
     {"rounding", "query, body", ParameterKind::Word, "", "analytic", 0, 0, false,
      "analytic|none|mesh:K|bevel:N",
      "the exact rounding, the sharp mesh, the explicit rounded mesh of K segments, or a shader of N probes"},
-    {"K", "rounding", ParameterKind::Integer, "segments", "", 1, 256, false, "",
+    {"K", "rounding", ParameterKind::Integer, "segments", "", 1, kMaxRoundingCount, false, "",
      "over a quarter turn of mesh:K"},
-    {"N", "rounding", ParameterKind::Integer, "probes", "", 1, 256, false, "", "of bevel:N at every hit"},
+    {"N", "rounding", ParameterKind::Integer, "probes", "", 1, kMaxRoundingCount, false, "",
+     "of bevel:N at every hit"},
     {"radius", "query, body", ParameterKind::Number, "mesh units", "the sidecar's", 0, kMaxCoordinate, true,
      "", "rounding radius; it must be below radius.max of the scene"},
     {"radius_clamp", "query, body", ParameterKind::Number, "share of a solid's inradius", "the sidecar's", 0,
@@ -61,38 +64,14 @@ constexpr ParameterRow kRows[] = {
      "hits must lie beyond it"},
 };
 
-constexpr LimitRow kLimits[] = {
-    {"tile_pixels", kMaxTilePixels, "of one tile"},
-    {"frame_pixels", kMaxFramePixels, "of one frame"},
-    {"request_samples", kMaxRequestSamples, "pixels times samples of one request"},
-    {"rays", kMaxRays, "of one batch"},
-    {"body_bytes", kMaxBodyBytes, "of a request's body"},
-    {"head_bytes", kMaxHeadBytes, "of a request's head"},
-    {"header_fields", kMaxHeaderFields, "of a request's head"},
-    {"target_bytes", kMaxTargetBytes, "of a request's path and query"},
-    {"preview_bytes", kMaxPreviewBytes, "of a scene's preview.glb; larger ones are not made"},
-};
-
-Problem valueProblem(int status, ErrorKind kind, const ParameterRow& row, std::string_view value,
-                     const std::string& detail) {
-  return {.status = status,
-          .kind = errorWord(kind),
-          .detail = detail,
-          .parameter = std::string(row.name),
-          .value = std::string(value),
-          .limits = limitsJson(row)};
-}
-
 std::string rangeText(const ParameterRow& row) {
-  return std::string(row.aboveMinimum ? "above " : "") + numberText(row.minimum) + " to " +
-         numberText(row.maximum);
+  return std::string(row.aboveMinimum ? "above " : "") + exactNumberText(row.minimum) + " to " +
+         exactNumberText(row.maximum);
 }
 
 } // namespace
 
 std::span<const ParameterRow> parameterRows() { return kRows; }
-
-std::span<const LimitRow> limitRows() { return kLimits; }
 
 const ParameterRow& parameterRow(std::string_view name) {
   for (const ParameterRow& row : kRows)
@@ -137,11 +116,12 @@ std::string limitsJson(const ParameterRow& row) {
 }
 
 void throwSyntax(const ParameterRow& row, std::string_view value, const std::string& detail) {
-  throw ProblemError(valueProblem(400, ErrorKind::Usage, row, value, detail));
+  throw ParameterError(ErrorKind::Usage, detail, std::string(row.name), std::string(value), limitsJson(row));
 }
 
 void throwRange(const ParameterRow& row, std::string_view value, const std::string& detail) {
-  throw ProblemError(valueProblem(422, ErrorKind::OutOfRange, row, value, detail));
+  throw ParameterError(ErrorKind::OutOfRange, detail, std::string(row.name), std::string(value),
+                       limitsJson(row));
 }
 
 std::uint32_t readInteger(const ParameterRow& row, std::string_view text) {
@@ -173,13 +153,7 @@ double readNumber(const ParameterRow& row, std::string_view text) {
 void checkNumber(const ParameterRow& row, double value) {
   const bool low = row.aboveMinimum ? !(value > row.minimum) : !(value >= row.minimum);
   if (low || !(value <= row.maximum))
-    throwRange(row, numberText(value), std::string(row.name) + " must be " + rangeText(row));
+    throwRange(row, exactNumberText(value), std::string(row.name) + " must be " + rangeText(row));
 }
 
-std::string numberText(double value) {
-  char text[32];
-  const auto [end, status] = std::to_chars(text, text + sizeof text, value);
-  return status == std::errc{} ? std::string(text, end) : std::string("?");
-}
-
-} // namespace chamfer::http
+} // namespace chamfer

@@ -1,8 +1,8 @@
-#include "server/http/connection/url.h"
+#include "server/render/request/query.h"
 
-#include "server/http/routes/problem.h"
+#include "server/render/request/parameter_error.h"
 
-namespace chamfer::http {
+namespace chamfer {
 namespace {
 
 int hexDigit(char c) {
@@ -19,10 +19,9 @@ bool unreserved(char c) {
 
 std::string decodeQueryPart(std::string_view part, std::string_view whole) {
   if (std::optional<std::string> text = percentDecode(part)) return *text;
-  Problem problem = badRequest("the query has a broken percent escape, or one of a control character");
-  problem.parameter = "query";
-  problem.value = std::string(whole);
-  throw ProblemError(problem);
+  throw ParameterError(ErrorKind::Usage,
+                       "the query has a broken percent escape, or one of a control character", "query",
+                       std::string(whole));
 }
 
 } // namespace
@@ -78,7 +77,7 @@ std::string decodePath(std::span<const std::string_view> segments) {
   for (const std::string_view segment : segments) {
     const auto part = percentDecode(segment);
     if (!part)
-      throw ProblemError(badRequest("the path has a broken percent escape, or one of a control character"));
+      throw Error(ErrorKind::Usage, "the path has a broken percent escape, or one of a control character");
     if (!path.empty()) path += '/';
     path += *part;
   }
@@ -92,25 +91,19 @@ Query parseQuery(std::string_view text) {
     const std::size_t ampersand = rest.find('&');
     const std::string_view part = rest.substr(0, ampersand);
     const std::size_t equals = part.find('=');
-    if (equals == std::string_view::npos || equals == 0) {
-      Problem problem = badRequest("every part of the query must be name=value");
-      problem.parameter = "query";
-      problem.value = std::string(part);
-      throw ProblemError(problem);
-    }
+    if (equals == std::string_view::npos || equals == 0)
+      throw ParameterError(ErrorKind::Usage, "every part of the query must be name=value", "query",
+                           std::string(part));
     std::string name = decodeQueryPart(part.substr(0, equals), text);
     std::string value = decodeQueryPart(part.substr(equals + 1), text);
     for (const auto& given : query)
-      if (given.first == name) {
-        Problem problem = badRequest("the parameter \"" + name + "\" is given more than once");
-        problem.parameter = name;
-        problem.value = value;
-        throw ProblemError(problem);
-      }
+      if (given.first == name)
+        throw ParameterError(ErrorKind::Usage, "the parameter \"" + name + "\" is given more than once", name,
+                             value);
     query.emplace_back(std::move(name), std::move(value));
     if (ampersand == std::string_view::npos) return query;
     rest.remove_prefix(ampersand + 1);
   }
 }
 
-} // namespace chamfer::http
+} // namespace chamfer

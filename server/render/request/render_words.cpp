@@ -1,4 +1,4 @@
-#include "server/render/cli/render_words.h"
+#include "server/render/request/render_words.h"
 
 #include "common/error.h"
 
@@ -6,8 +6,6 @@
 
 namespace chamfer {
 namespace {
-
-constexpr unsigned kMaxCount = 256;
 
 struct AovRow {
   Aov aov;
@@ -23,9 +21,9 @@ unsigned parseCount(std::string_view text, std::string_view digits) {
   const char* end = digits.data() + digits.size();
   const auto [stop, status] = std::from_chars(digits.data(), end, value);
   if (status == std::errc::result_out_of_range ||
-      (status == std::errc{} && stop == end && (value < 1 || value > kMaxCount)))
+      (status == std::errc{} && stop == end && (value < 1 || value > kMaxRoundingCount)))
     throw Error(ErrorKind::OutOfRange, "rounding \"" + std::string(text) + "\": the number must be 1 to " +
-                                           std::to_string(kMaxCount));
+                                           std::to_string(kMaxRoundingCount));
   if (status != std::errc{} || stop != end)
     throw Error(ErrorKind::Usage,
                 "rounding \"" + std::string(text) + "\": a whole number must follow the colon, as in mesh:4");

@@ -1,16 +1,13 @@
-// Every parameter of the interface, one row each: where it stands, kind, unit, default, limits; and the
-// limits of requests as a whole. The parsers check against these rows, errors quote them, /v1/info and
-// /v1/openapi.json print them.
+// Every parameter of the interface, one row each: where it stands, kind, unit, default, limits. The parsers
+// check against these rows, errors quote them, the server's descriptions of itself print them.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 
-namespace chamfer::http {
+namespace chamfer {
 
 enum class ParameterKind : std::uint8_t { Integer, Number, Numbers, Word, Text };
 
@@ -36,43 +33,24 @@ inline constexpr std::uint64_t kMaxTilePixels = 1u << 20;
 inline constexpr std::uint64_t kMaxFramePixels = 1u << 24;
 /// Pixels times samples of one request.
 inline constexpr std::uint64_t kMaxRequestSamples = std::uint64_t{1} << 31;
-inline constexpr std::size_t kMaxRays = 100'000;
-/// Body of one request: kMaxRays rays at full precision fit twice.
-inline constexpr std::size_t kMaxBodyBytes = 32u << 20;
-inline constexpr std::size_t kMaxHeadBytes = 16u << 10;
-inline constexpr std::size_t kMaxTargetBytes = 4096;
-inline constexpr std::size_t kMaxHeaderFields = 100;
-/// Of preview.glb.
-inline constexpr std::size_t kMaxPreviewBytes = 32u << 20;
-
-struct LimitRow {
-  std::string_view name; ///< its unit is the last word
-  std::uint64_t value;
-  std::string_view about;
-};
-/// All of the above, and those of other parts, under the names by which /v1/info prints them.
-std::span<const LimitRow> limitRows();
 
 std::span<const ParameterRow> parameterRows();
 /// The row of that name; it must exist.
 const ParameterRow& parameterRow(std::string_view name);
-/// JSON text of the row's limits, for problem.h.
+/// JSON text of the row's limits.
 std::string limitsJson(const ParameterRow& row);
 const char* kindWord(ParameterKind kind);
 
-/// Whole decimal number: digits only, no sign, blank or leading zero. Throws ProblemError: 400 when it is no
-/// such number, 422 when it is outside the row's limits.
+/// Whole decimal number: digits only, no sign, blank or leading zero. Throws ParameterError: Usage when it
+/// is no such number, OutOfRange when it is outside the row's limits.
 std::uint32_t readInteger(const ParameterRow& row, std::string_view text);
 /// Decimal number, "1e-3" included; finite. Throws as readInteger().
 double readNumber(const ParameterRow& row, std::string_view text);
-/// Checks a number from elsewhere (JSON) against the row. Throws ProblemError (422).
+/// Checks a number from elsewhere (JSON) against the row. Throws ParameterError(OutOfRange).
 void checkNumber(const ParameterRow& row, double value);
 
-/// ProblemErrors that name the row, the value and the limits.
+/// Throw ParameterErrors that name the row, the value and the limits: Usage, OutOfRange.
 [[noreturn]] void throwSyntax(const ParameterRow& row, std::string_view value, const std::string& detail);
 [[noreturn]] void throwRange(const ParameterRow& row, std::string_view value, const std::string& detail);
 
-/// Shortest decimal text that reads back as the same double.
-std::string numberText(double value);
-
-} // namespace chamfer::http
+} // namespace chamfer

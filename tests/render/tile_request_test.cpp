@@ -1,15 +1,15 @@
-#include "server/http/routes/tile_request.h"
+#include "server/render/request/tile_request.h"
 
-#include "server/http/schema/schema.h"
-#include "tests/http/expect_problem.h"
+#include "server/render/request/parameters.h"
+#include "server/render/request/query.h"
+#include "tests/render/expect_refusal.h"
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
-namespace chamfer::http {
+namespace chamfer {
 namespace {
 
-using test::problemFrom;
+using test::refusalOf;
 
 constexpr const char* kCamera = "camera=1,2,3,0,0,0,0,0,1,40";
 
@@ -70,8 +70,8 @@ TEST(TileRequest, FrameIsTheTileThatCoversIt) {
   EXPECT_EQ(request.tile.width, 320u);
   EXPECT_EQ(request.tile.height, 200u);
   EXPECT_EQ(request.settings.seed, 3u);
-  EXPECT_EQ(problemFrom([] { frame("/320x200/0-4.f16"); }, 400).parameter, "format");
-  problemFrom([] { frame("/320x200/0,0,2,2/0-4.png"); }, 404);
+  EXPECT_EQ(refusalOf([] { frame("/320x200/0-4.f16"); }, 400).parameter(), "format");
+  refusalOf([] { frame("/320x200/0,0,2,2/0-4.png"); }, 404);
 }
 
 struct Refusal {
@@ -86,11 +86,11 @@ class RefusedTile : public testing::TestWithParam<Refusal> {};
 
 TEST_P(RefusedTile, NamesParameterValueAndLimits) {
   const Refusal& refusal = GetParam();
-  const Problem problem = problemFrom([&] { tile(refusal.path, refusal.query); }, refusal.status);
-  EXPECT_EQ(problem.parameter, refusal.parameter);
-  EXPECT_EQ(problem.value, refusal.value);
+  const ParameterError refused = refusalOf([&] { tile(refusal.path, refusal.query); }, refusal.status);
+  EXPECT_EQ(refused.parameter(), refusal.parameter);
+  EXPECT_EQ(refused.value(), refusal.value);
   if (refusal.status == 422) {
-    EXPECT_TRUE(nlohmann::json::parse(problem.limits).is_object());
+    EXPECT_TRUE(nlohmann::json::parse(refused.limits()).is_object());
   }
 }
 
@@ -149,20 +149,20 @@ TEST(TileRequest, RefusesCamerasThatLookNowhere) {
                              "1,2,3,0,0,0,0,0,0,40",         // no up
                              "0,0,5,0,0,0,0,0,-1,40",        // up along the view
                              "1,2,3,0,0,0,0,0,1,40,-0.1,1"}) // negative aperture
-    EXPECT_EQ(problemFrom([&] { parseCamera(camera); }, 422).parameter, "camera") << camera;
+    EXPECT_EQ(refusalOf([&] { parseCamera(camera); }, 422).parameter(), "camera") << camera;
 }
 
 TEST(TileRequest, LimitsTheWorkOfOneRequest) {
-  EXPECT_EQ(problemFrom([] { tile("/4096x4096/0,0,4096,257/0-1.png"); }, 422).parameter, "pixels");
-  EXPECT_EQ(problemFrom([] { tile("/1024x1024/0,0,1024,1024/0-4096.png"); }, 422).parameter, "samples");
+  EXPECT_EQ(refusalOf([] { tile("/4096x4096/0,0,4096,257/0-1.png"); }, 422).parameter(), "pixels");
+  EXPECT_EQ(refusalOf([] { tile("/1024x1024/0,0,1024,1024/0-4096.png"); }, 422).parameter(), "samples");
   EXPECT_NO_THROW(tile("/4096x4096/0,0,4096,256/0-1.png"));
-  problemFrom([] { frame("/8192x8192/0-1.png"); }, 422);
+  refusalOf([] { frame("/8192x8192/0-1.png"); }, 422);
 }
 
 TEST(TileRequest, DigestNamesTheAnswerNotItsSpelling) {
   const Digest scene{1, 2};
   const auto digest = [&](const char* path, const char* query) {
-    return answerDigest(scene, tile(path, query));
+    return answerDigest("1.0", scene, tile(path, query));
   };
   const Digest base = digest(kGood, kCamera);
   EXPECT_EQ(base, digest(kGood,
@@ -180,10 +180,58 @@ TEST(TileRequest, DigestNamesTheAnswerNotItsSpelling) {
   for (const char* path : {"/65x64/0,0,64,64/0-1.png", "/64x65/0,0,64,64/0-1.png", "/64x64/1,0,63,64/0-1.png",
                            "/64x64/0,0,64,64/0-2.png", "/64x64/0,0,64,64/0-1.f16"})
     EXPECT_NE(base, digest(path, kCamera)) << path;
-  EXPECT_NE(base, answerDigest(Digest{1, 3}, tile(kGood, kCamera)));
+  EXPECT_NE(base, answerDigest("1.0", Digest{1, 3}, tile(kGood, kCamera)));
 }
 
-TEST(Schema, EveryRowHasReadableLimits) {
+TEST(TileRequest, DigestIsOfTheseBytes) {
+  // Caches hold pictures under these digests: their text stays as it is.
+  const Digest scene{1, 2};
+  const std::string prefix = "1.0|" + scene.hex() + '|';
+  EXPECT_EQ(answerDigest("1.0", scene, tile(kGood)),
+            digestOf(prefix + "64|64|0|0|64|64|0|1|0|8|png|beauty|analytic|"));
+  EXPECT_EQ(answerDigest("1.0", scene,
+                         frame("/320x200/4-12.exr", "aov=normal&bounces=3&clamp=2.5&radius=2.5e-2&seed=7"
+                                                    "&radius_clamp=0.9&rounding=mesh:3&camera="
+                                                    "1,2,3,4,5,6,0,0,1,35.5,0.01,7")),
+            digestOf(prefix +
+                     "320|200|0|0|320|200|4|12|7|3|exr|normal|mesh:3|0.025|radius clamp 0.9|clamp 2.5"
+                     "|1|2|3|4|5|6|0|0|1|35.5|0.01|7"));
+}
+
+TEST(TileRequest, CanonicalSettingsAreTheDigestsWithoutVersionSceneAndFormat) {
+  const TileRequest png = tile(kGood, kCamera);
+  EXPECT_EQ(canonicalSettings(png), "64|64|0|0|64|64|0|1|0|8|beauty|analytic||1|2|3|0|0|0|0|0|1|40|0|0");
+  EXPECT_EQ(canonicalSettings(png), canonicalSettings(tile("/64x64/0%2C0,64,64/0-1.f16",
+                                                           "seed=0&camera=1.0,2e0,3,0,0,-0,0,0,1,40.0")));
+  EXPECT_NE(canonicalSettings(png), canonicalSettings(tile(kGood)));
+}
+
+TEST(TileRequest, ReadsParametersOneByOne) {
+  TileRequest request = tile(kGood);
+  readParameter(request, "camera", "1,2,3,0,0,0,0,0,1,40");
+  EXPECT_EQ(canonicalSettings(request), canonicalSettings(tile(kGood, kCamera)));
+  readParameter(request, "camera", "1,2,3,0,0,0,0,0,1,41"); // the last one holds
+  EXPECT_EQ(request.settings.camera->vfovDegrees, 41);
+  // The sharp mesh has no radius, in whatever order it is said.
+  readParameter(request, "radius", "0.1");
+  readParameter(request, "rounding", "none");
+  readParameter(request, "radius_clamp", "0.5");
+  EXPECT_EQ(request.rounding, (RoundingChoice{RoundingMode::None, 0, {}}));
+
+  const TileRequest before = request;
+  const ParameterError unknown = refusalOf([&] { readParameter(request, "sead", "1"); }, 400);
+  EXPECT_EQ(unknown.parameter(), "sead");
+  EXPECT_EQ(unknown.value(), "1");
+  EXPECT_STREQ(unknown.what(),
+               "there is no parameter \"sead\"; known: camera, rounding, radius, radius_clamp, "
+               "seed, bounces, clamp, aov");
+  for (const char* name : {"width", "s0", "format", "rays", "tnear", "K", "vfov", ""}) // rows of other places
+    EXPECT_THROW(readParameter(request, name, "1"), ParameterError) << name;
+  EXPECT_EQ(refusalOf([&] { readParameter(request, "aov", "colour"); }, 400).value(), "colour");
+  EXPECT_EQ(canonicalSettings(request), canonicalSettings(before)) << "what is refused changes nothing";
+}
+
+TEST(Parameters, EveryRowHasReadableLimits) {
   for (const ParameterRow& row : parameterRows()) {
     const auto limits = nlohmann::json::parse(limitsJson(row));
     const bool bounded = limits.contains("one_of") || limits.contains("maximum");
@@ -192,10 +240,5 @@ TEST(Schema, EveryRowHasReadableLimits) {
   }
 }
 
-TEST(Schema, NumbersReadBack) {
-  for (const double value : {0.1, 1.0 / 3, 1e300, 5e-324, -0.25})
-    EXPECT_EQ(std::strtod(numberText(value).c_str(), nullptr), value);
-}
-
 } // namespace
-} // namespace chamfer::http
+} // namespace chamfer

@@ -1,0 +1,24 @@
+#include "server/http/schema/limits.h"
+
+#include "server/render/request/parameters.h"
+
+namespace chamfer::http {
+namespace {
+
+constexpr LimitRow kLimits[] = {
+    {"tile_pixels", kMaxTilePixels, "of one tile"},
+    {"frame_pixels", kMaxFramePixels, "of one frame"},
+    {"request_samples", kMaxRequestSamples, "pixels times samples of one request"},
+    {"rays", kMaxRays, "of one batch"},
+    {"body_bytes", kMaxBodyBytes, "of a request's body"},
+    {"head_bytes", kMaxHeadBytes, "of a request's head"},
+    {"header_fields", kMaxHeaderFields, "of a request's head"},
+    {"target_bytes", kMaxTargetBytes, "of a request's path and query"},
+    {"preview_bytes", kMaxPreviewBytes, "of a scene's preview.glb; larger ones are not made"},
+};
+
+} // namespace
+
+std::span<const LimitRow> limitRows() { return kLimits; }
+
+} // namespace chamfer::http
