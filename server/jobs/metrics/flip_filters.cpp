@@ -58,6 +58,11 @@ std::vector<double> balanced(std::vector<double> weights) {
 // Explicit vectors: the dev build's optimiser makes none of such loops.
 using Lanes [[gnu::vector_size(32)]] = float;
 static_assert(kFlipLanes == 4 * sizeof(Lanes) / sizeof(float));
+inline Lanes lanesAt(const float* from) {
+  Lanes v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
 
 } // namespace
 
@@ -97,14 +102,19 @@ FlipFilters::FlipFilters(double pixelsPerDegree) {
 
 void weightedSum(const float* const* rows, const FlipFilter& filter, float* to, std::size_t count) {
   for (std::size_t i = 0; i < count; i += kFlipLanes) {
-    Lanes sum[4] = {};
+    Lanes s0{}, s1{}, s2{}, s3{}; // an array would live in memory
     for (std::size_t k = 0; k < filter.weights.size(); ++k) {
-      Lanes v[4];
-      std::memcpy(v, rows[k] + i, sizeof v);
-      for (int j = 0; j < 4; ++j)
-        sum[j] += filter.weights[k] * v[j];
+      const float* v = rows[k] + i;
+      const float w = filter.weights[k];
+      s0 += w * lanesAt(v);
+      s1 += w * lanesAt(v + 8);
+      s2 += w * lanesAt(v + 16);
+      s3 += w * lanesAt(v + 24);
     }
-    std::memcpy(to + i, sum, sizeof sum);
+    std::memcpy(to + i, &s0, sizeof s0);
+    std::memcpy(to + i + 8, &s1, sizeof s1);
+    std::memcpy(to + i + 16, &s2, sizeof s2);
+    std::memcpy(to + i + 24, &s3, sizeof s3);
   }
 }
 
