@@ -129,6 +129,17 @@ TEST(Flip, MovesWithThePicture) {
   EXPECT_EQ(map[0], 0) << "far from it there is nothing";
 }
 
+/// The widest kernel, of blue and yellow, has a radius of 10 pixels: not one row less may be looked at.
+TEST(Flip, APixelIsSeenAsFarAsTheKernelsReach) {
+  const Picture b = filled(31, 61, {0.5f, 0.5f, 0.5f});
+  Picture a = b;
+  setPixel(a, 15, 30, {0, 0, 1});
+  const auto map = flipMap(a, b);
+  expectNear(map, test::plainFlip(a, b, kFlipPixelsPerDegree), "about a pixel");
+  for (unsigned y = 0; y < 61; ++y)
+    EXPECT_EQ(map[y * 31 + 15] > 0, y >= 20 && y <= 40) << y;
+}
+
 TEST(Flip, ALineStandsOutMoreThanItsColour) {
   const Picture b = filled(41, 41, {0.5f, 0.5f, 0.5f});
   Picture line = b;
