@@ -8,7 +8,7 @@
 
 namespace chamfer {
 
-/// report.html, report.css, report.js.
+/// report.html, report.css, report.js, report_views.js.
 std::span<const EmbeddedFile> reportFiles();
 
 } // namespace chamfer
