@@ -199,5 +199,91 @@ TEST(ReadTexture, RefusesWhatIsNotAnImage) {
   EXPECT_THAT(thrown("cut.exr"), testing::StartsWith("malformed: \"cut.exr\""));
 }
 
+/// Writes pictures of one spec into one file; what a file says of its colours is in the spec.
+void writeWith(const fs::path& path, const std::vector<OIIO::ImageSpec>& specs,
+               const std::vector<float>& values) {
+  const auto out = OIIO::ImageOutput::create(path.string());
+  ASSERT_TRUE(out && out->open(path.string(), int(specs.size()), specs.data())) << OIIO::geterror();
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    if (i > 0) {
+      ASSERT_TRUE(out->open(path.string(), specs[i], OIIO::ImageOutput::AppendSubimage));
+    }
+    ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, values.data()));
+  }
+  ASSERT_TRUE(out->close());
+}
+
+ChannelImage allChannels(const fs::path& path) {
+  return readChannels(path, path.filename().string(), [](const std::vector<std::string>& names) {
+    std::vector<std::size_t> all(names.size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+      all[i] = i;
+    return all;
+  });
+}
+
+TEST(ReadChannels, IntegerPixelsAreSRgbUnlessTheFileSaysLinear) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "a.png";
+  for (const OIIO::TypeDesc type : {OIIO::TypeDesc::UINT8, OIIO::TypeDesc::UINT16}) {
+    OIIO::ImageSpec spec(1, 1, 2, type);
+    spec.channelnames = {"Y", "A"};
+    spec.alpha_channel = 1;
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    writeWith(path, {spec}, {0.5f, 0.5f});
+    const ChannelImage sRgb = allChannels(path);
+    EXPECT_TRUE(sRgb.fromSRgb);
+    EXPECT_THAT(sRgb.names, testing::ElementsAre("Y", "A"));
+    EXPECT_NEAR(sRgb.values[0], 0.21404, 3e-3);
+    EXPECT_NEAR(sRgb.values[1], 0.5, 3e-3) << "alpha is not encoded";
+    spec.attribute("oiio:ColorSpace", "Linear");
+    writeWith(path, {spec}, {0.5f, 0.5f});
+    const ChannelImage linear = allChannels(path);
+    EXPECT_FALSE(linear.fromSRgb);
+    EXPECT_NEAR(linear.values[0], 0.5, 3e-3);
+  }
+}
+
+TEST(ReadChannels, TakesWhatIsChosenInThatOrder) {
+  const TemporaryFolder folder;
+  ChannelImage image{2, 1, {"R", "G", "B", "Z"}, {1, 2, 3, 4, 5, 6, NAN, 8}, false, {{"chamfer:a", "text"}}};
+  writeBytes(folder.path() / "a.exr", encodeExr(image));
+  std::vector<std::string> offered;
+  const ChannelImage read =
+      readChannels(folder.path() / "a.exr", "a.exr", [&](const std::vector<std::string>& names) {
+        offered = names;
+        return std::vector<std::size_t>{3, 1};
+      });
+  EXPECT_THAT(offered, testing::ElementsAre("R", "G", "B", "Z"));
+  EXPECT_THAT(read.names, testing::ElementsAre("Z", "G"));
+  EXPECT_THAT(read.values, testing::ElementsAre(4, 2, 8, 6));
+  EXPECT_EQ(read.attributes.at("chamfer:a"), "text");
+  EXPECT_FALSE(read.fromSRgb);
+  EXPECT_TRUE(std::isnan(allChannels(folder.path() / "a.exr").values[6])) << "as it is";
+  image.values.pop_back();
+  EXPECT_THAT(test::thrownBy([&] { encodeExr(image); }), testing::StartsWith("internal: "));
+}
+
+TEST(ReadChannels, RefusesSeveralPicturesAndPartsOfOne) {
+  const TemporaryFolder folder;
+  const auto thrown = [](const fs::path& path) { return test::thrownBy([&] { allChannels(path); }); };
+  OIIO::ImageSpec spec(2, 2, 3, OIIO::TypeDesc::FLOAT), other = spec;
+  spec.attribute("oiio:subimagename", "left");
+  other.attribute("oiio:subimagename", "right");
+  writeWith(folder.path() / "two.exr", {spec, other}, std::vector<float>(12, 1));
+  EXPECT_THAT(thrown(folder.path() / "two.exr"),
+              testing::AllOf(testing::StartsWith("malformed: "), HasSubstr("several pictures")));
+  OIIO::ImageSpec part(2, 2, 3, OIIO::TypeDesc::FLOAT);
+  part.x = 1;
+  part.full_width = 8;
+  part.full_height = 4;
+  writeWith(folder.path() / "part.exr", {part}, std::vector<float>(12, 1));
+  EXPECT_THAT(thrown(folder.path() / "part.exr"),
+              testing::AllOf(testing::StartsWith("malformed: "), HasSubstr("2x2"), HasSubstr("8x4")));
+  writeWith(folder.path() / "one.exr", {OIIO::ImageSpec(2, 2, 3, OIIO::TypeDesc::FLOAT)},
+            std::vector<float>(12, 1));
+  EXPECT_EQ(allChannels(folder.path() / "one.exr").values.size(), 12u);
+}
+
 } // namespace
 } // namespace chamfer

@@ -1,33 +1,8 @@
 #include "tests/render/scene_files_fixture.h"
 
-#include <atomic>
-#include <fstream>
 #include <sstream>
-#include <unistd.h>
 
 namespace chamfer::test {
-
-namespace fs = std::filesystem;
-
-TemporaryFolder::TemporaryFolder() {
-  static std::atomic<int> count{0};
-  path_ = fs::temp_directory_path() /
-          ("chamfer-render-" + std::to_string(getpid()) + "-" + std::to_string(count++));
-  fs::create_directories(path_);
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-fs::path TemporaryFolder::write(const std::string& name, const std::string& content) const {
-  const fs::path file = path_ / name;
-  fs::create_directories(file.parent_path());
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out << content;
-  return file;
-}
 
 std::string boxObj(const Point3& a, const Point3& b) {
   std::ostringstream s;

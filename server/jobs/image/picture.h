@@ -32,12 +32,17 @@ struct NonFinite {
 /// In the values; those of the variance count, too.
 NonFinite nonFiniteOf(const Picture& picture);
 
-/// Reads EXR, PNG, HDR and whatever else OpenImageIO knows. Of a file with layers those of the names R, G, B,
-/// A (or Y) count; a variance stands in channels variance.R and so on (writePicture()). Error(NotFound),
-/// Error(Malformed) with the reason.
+/// Reads EXR, PNG, HDR and whatever else OpenImageIO knows. Channels R, G, B and A, or Y, count, in any
+/// order; a single channel of another name is grey, too; grey with alpha becomes RGBA. Where they stand in
+/// layers only ("ViewLayer.Combined.R"), the only layer that has them. Other channels are left out. A
+/// variance stands in channels variance.R and so on, for all of the picture's channels. Integer pixels are
+/// sRGB unless the file says that they are linear. Error(NotFound), Error(Malformed) with the reason:
+/// unreadable, several layers or none (the message lists the channels), several pictures in one file, a part
+/// of a frame, a variance of some channels only or a negative one.
 Picture readPicture(const std::filesystem::path& file);
 
-/// 32-bit float EXR with the variance, if there is one, and the attributes. Atomic. Error(CannotWrite).
+/// 32-bit float EXR with the variance, if there is one, and the attributes. Deterministic bytes; atomic. That
+/// a picture came from sRGB pixels is not kept: it is read back as a linear one. Error(CannotWrite).
 void writePicture(const std::filesystem::path& file, const Picture& picture);
 
 } // namespace chamfer

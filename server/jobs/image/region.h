@@ -20,8 +20,10 @@ PixelRect parsePixelRect(std::string_view text);
 
 /// What a case says about which pixels count, in the frame's coordinates.
 struct RegionChoice {
-  std::optional<PixelRect> crop;       ///< nothing: the whole picture
-  std::filesystem::path mask;          ///< an image: pixels above half count; empty: all
+  std::optional<PixelRect> crop; ///< nothing: the whole picture
+  /// An image of the frame's size: pixels count whose largest colour channel is above half of white as it is
+  /// stored (128 to 255 of 8 bits), and whose alpha is, if there is one. Empty: all.
+  std::filesystem::path mask;
   std::vector<PixelRect> only, except; ///< pixels in any of `only` (empty: all), but in none of `except`
 };
 
@@ -30,7 +32,8 @@ struct Region {
   PixelRect crop;
   std::vector<std::uint8_t> counts; ///< [crop.height][crop.width], 0 or 1; empty: all do
   std::size_t pixels = 0;           ///< that count; at least 1
-  std::string text; ///< of masks and rectangles, for reports; empty: every pixel of the crop counts
+  /// Of masks and rectangles, for reports, with how many pixels count; empty: there are none of them.
+  std::string text;
 };
 
 /// Error(OutOfRange): a crop or rectangle beyond the frame, a mask of another size, a region without any

@@ -12,13 +12,12 @@
 namespace chamfer {
 
 enum class Metric : std::uint8_t {
-  Mae,    ///< mean |a - b|
-  Rmse,   ///< root of the mean of (a - b)^2
-  RelMse, ///< mean of (a - b)^2 / (b^2 + 0.01)   (Rousselle et al. 2011)
-  Psnr, ///< dB, 10 log10(1 / MSE): of display pictures, and of linear ones with 1 as the peak; +inf for equal
-        ///< ones
+  Mae,          ///< mean |a - b|
+  Rmse,         ///< root of the mean of (a - b)^2
+  RelMse,       ///< mean of (a - b)^2 / (b^2 + 0.01)   (Rousselle et al. 2011)
+  Psnr,         ///< dB, 10 log10(1 / MSE) of the linear values, whatever the file held; +inf for equal ones
   MaxError,     ///< largest |a - b|
-  BiasPercent,  ///< 100 (mean a - mean b) / mean |b|
+  BiasPercent,  ///< 100 (mean a - mean b) / mean |b|; infinite where b is black and the means differ
   FailingShare, ///< share of pixels of which any channel has |a - b| > absolute + relative |b|
   Flip,         ///< mean of the FLIP error map, 0..1
 };
@@ -43,11 +42,14 @@ struct PixelTolerance {
 };
 
 /// `a` and `b`: of the region's crop, of one number of channels, every counting value finite (the caller has
-/// looked: comparable()). Means are over the counting pixels' channels, in double.
+/// looked: requireComparable()). Means are over the counting pixels' channels, alpha like the others, in
+/// double. What does not count has no influence, on FLIP neither: where it lies beside what does, `a` is
+/// taken to be equal to `b` there.
 double metricOf(Metric metric, const Picture& a, const Picture& b, const Region& region,
                 const PixelTolerance& tolerance = {});
 
-/// Where |a - b| is largest among the counting pixels.
+/// Where |a - b| is largest among the counting pixels: the first such place, row by row; of equal pictures
+/// the first that counts, with an error of 0.
 struct LargestError {
   unsigned x = 0, y = 0, channel = 0; ///< in the frame
   double a = 0, b = 0, error = 0;

@@ -6,6 +6,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -37,5 +39,25 @@ enum class PixelEncoding { Automatic, Linear };
 /// 1e9 by that. `name` stands in messages.
 Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, const std::string& name,
                     std::vector<std::string>& warnings);
+
+/// Channels by name, values as they are in the file (NaN and infinities, too).
+struct ChannelImage {
+  unsigned width = 0, height = 0;
+  std::vector<std::string> names; ///< of the channels
+  std::vector<float> values;      ///< [height][width][names.size()], top row first
+  /// The file's pixels are integer and sRGB-encoded; `values` are decoded to linear (alpha as it is).
+  bool fromSRgb = false;
+  std::map<std::string, std::string> attributes; ///< those that are texts
+};
+/// Which of a file's channels are wanted, as places in the list of their names, in the order wanted. May
+/// throw.
+using ChannelChoice = std::function<std::vector<std::size_t>(const std::vector<std::string>& names)>;
+/// Reads any format OpenImageIO knows. Integer pixels are sRGB unless the file says that they are linear.
+/// Error(NotFound), Error(Malformed): not an image, damaged, more than 16384 pixels a side, several pictures
+/// in one file, a picture that is a part of its frame. `name` stands in messages.
+ChannelImage readChannels(const std::filesystem::path& file, const std::string& name,
+                          const ChannelChoice& choice);
+/// 32-bit float EXR. Deterministic bytes. Not for pixels that are to stay sRGB: they are written linear.
+std::vector<std::byte> encodeExr(const ChannelImage& image);
 
 } // namespace chamfer
