@@ -5,9 +5,9 @@ const { result, pictures, gradient, decades } = JSON.parse(document.getElementBy
 
 const OUTCOMES = {
   same: { sign: '✓', text: 'same' },
-  differs: { sign: '✗', text: 'differs' },
+  differs: { sign: '✗', text: 'differs', many: 'differ' },
   'cannot-tell': { sign: '?', text: 'cannot tell' },
-  error: { sign: '!', text: 'error' },
+  error: { sign: '!', text: 'error', many: 'errors' },
 };
 const MOST_OPEN = 12; // cases that are open from the start
 
@@ -20,7 +20,7 @@ function make(tag, properties = {}, ...children) {
     else if (name in element) element[name] = value;
     else element.setAttribute(name, value);
   }
-  element.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== ''));
+  element.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== ''));
   return element;
 }
 
@@ -58,7 +58,7 @@ function choice(legend, name, options, onChange) {
 }
 
 function table(caption, heads, rows) {
-  return make('div', { class: 'wide', tabIndex: 0, role: 'region', 'aria-label': caption },
+  return make('div', { class: 'wide', tabIndex: 0, role: 'group', 'aria-label': caption },
     make('table', {},
       make('thead', {}, make('tr', {}, heads.map((head) => make('th', { scope: 'col' }, head)))),
       make('tbody', {}, rows.map(([first, ...rest]) =>
@@ -86,15 +86,17 @@ function metricsOf({ metrics, tolerance }) {
   const words = { same: 'within', differs: 'beyond' };
   const rows = metrics.map(({ name, unit, value, standard_error: error, limit, limit_kind: kind, outcome }) => {
     const withUnit = (text) => (unit ? `${text} ${unit}` : text);
-    const share = name === 'failing_share' ? ` (a pixel fails above ${numberText(tolerance.absolute)} + ${numberText(tolerance.relative)} |B|)` : '';
     return [
-      name + share,
+      name,
       withUnit(numberText(value) + (error === null ? '' : ` ± ${numberText(error, 2)}`)),
       limit === null ? '–' : withUnit(`${kind === 'least' ? '≥' : '≤'} ${numberText(limit)}`),
       limit === null ? verdict('none', 'no limit') : verdict(outcome, words[outcome]),
     ];
   });
-  return make('section', {}, make('h3', {}, 'Metrics beside their limits'), table('Metrics', ['metric', 'value', 'limit', 'verdict'], rows));
+  const failing = metrics.some(({ name }) => name === 'failing_share')
+    ? make('p', { class: 'quiet' }, `failing_share: pixels with |A − B| above ${numberText(tolerance.absolute)} + ${numberText(tolerance.relative)} |B| in any channel`)
+    : null;
+  return make('section', { class: 'metrics' }, make('h3', {}, 'Metrics beside their limits'), table('Metrics', ['metric', 'value', 'limit', 'verdict'], rows), failing);
 }
 
 function statisticsOf({ statistics }) {
@@ -150,7 +152,7 @@ function bodyOf(one, index) {
   return make('div', { class: 'body' },
     warningsOf(one),
     a || b ? new Views(index).element : make('p', { class: 'quiet' }, 'No pictures: it never came to one.'),
-    make('div', { class: 'columns' }, metricsOf(one), make('div', { class: 'columns' }, sideOf('A is judged', one.a), sideOf('B it is judged by', one.b))),
+    make('div', { class: 'columns' }, metricsOf(one), sideOf('A, which is judged', one.a), sideOf('B, which it is judged by', one.b)),
     statisticsOf(one),
     commandOf(one.command),
     make('p', { class: 'quiet' }, [region, `${numberText(one.seconds, 3)} s.`].join(' ')));
@@ -182,7 +184,7 @@ function headOf() {
     make('div', { class: 'title' }, make('h1', {}, 'Comparison'), badge(outcome)),
     make('ul', { class: 'counts', 'aria-label': 'Cases by verdict' },
       said.map(([word, count]) => make('li', {},
-        make('span', { class: count > 0 ? 'verdict' : 'quiet', 'data-outcome': word }, `${outcomeOf(word).sign} ${count} ${outcomeOf(word).text}`)))),
+        make('span', { class: count > 0 ? 'verdict' : 'quiet', 'data-outcome': word }, `${outcomeOf(word).sign} ${count} ${count === 1 ? outcomeOf(word).text : outcomeOf(word).many ?? outcomeOf(word).text}`)))),
     make('p', { class: 'quiet' }, `${program}, ${started}, ${numberText(seconds, 3)} s`),
     command ? make('p', { class: 'quiet' }, make('code', {}, command)) : '',
     cases.length > 1

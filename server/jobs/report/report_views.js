@@ -16,7 +16,7 @@ class Views {
     this.split = 50; // per cent of what is seen
     this.frames = [];
     this.grid = make('div', { class: 'views' });
-    this.element = make('section', { 'aria-label': 'Pictures', class: 'pictures' }, this.controls(), this.grid, this.notes());
+    this.element = make('div', { class: 'pictures' }, this.controls(), this.grid, this.notes());
     this.setMode(this.canWipe() ? 'slider' : 'beside');
   }
 
@@ -69,6 +69,8 @@ class Views {
     if (factor > 1) {
       lines.push(make('li', {}, `Shown smaller: each pixel is the mean of ${factor} × ${factor} pixels; in the map of the difference it is the largest of them.`));
     }
+    const ratio = a ? a.width / a.height : 1;
+    if (Math.max(ratio, 1 / ratio) > 20) lines.push(make('li', {}, 'A thin picture: where it fits the window it may look thicker than it is.'));
     if (this.one.a.picture?.display === false || this.one.b.picture?.display === false) {
       lines.push(make('li', {}, 'Linear values, shown sRGB-encoded; what is below 0 or above 1 looks like 0 or 1.'));
     }

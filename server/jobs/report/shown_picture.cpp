@@ -89,7 +89,7 @@ ShownPicture shownPicture(const Picture& picture, unsigned factor) {
         for (unsigned c = 0; c < 3; ++c) {
           const float v = value[picture.channels < 3 ? 0 : c];
           isFinite = isFinite && std::isfinite(v);
-          sum[c] += double(picture.display ? linearFromSRgb(v) : v);
+          sum[c] += double(v);
         }
         ++count;
       });
