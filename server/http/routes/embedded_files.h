@@ -1,15 +1,13 @@
-// The page's files, put into the program when it was built (embed_web.cmake).
+// The page's files, put into the program when it was built (server/embed_files.cmake).
 #pragma once
 
+#include "common/embedded_file.h"
+
 #include <span>
-#include <string_view>
 
 namespace chamfer::http {
 
-struct EmbeddedFile {
-  std::string_view path; ///< below web/, as "index.html"
-  std::string_view bytes;
-};
+/// Paths are below web/.
 std::span<const EmbeddedFile> embeddedFiles();
 
 } // namespace chamfer::http

@@ -41,7 +41,6 @@ std::uint16_t toHalf(float value) {
 float sRgbFromLinear(float v) {
   return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
 }
-float linearFromSRgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 std::uint8_t toByte(float v) {
   if (!(v > 0)) return 0; // NaN too
@@ -132,6 +131,8 @@ std::string colorText(const Color& c) {
 }
 
 } // namespace
+
+float linearFromSRgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 std::vector<std::byte> encodeF16(const Image& image, unsigned samples) {
   checkShape(image);

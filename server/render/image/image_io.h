@@ -13,6 +13,9 @@
 
 namespace chamfer {
 
+/// The sRGB curve (IEC 61966-2-1), decoded.
+float linearFromSRgb(float v);
+
 /// 16-byte header ("CT16", then width, height, samples as u32) and RGBA16F, little-endian, linear, top row
 /// first. Half floats end at 65504: what is beyond is stored as that (see beyondHalf()); NaN stays NaN.
 std::vector<std::byte> encodeF16(const Image& image, unsigned samples);

@@ -1,0 +1,22 @@
+# Writes OUTPUT, a C++ file that holds files: cmake -DROOT=web -DOUTPUT=x.cpp "-DFILES=a;b" -DHEADER=x.h
+# -DFUNCTION=chamfer::http::embeddedFiles -P embed_files.cmake. HEADER declares FUNCTION.
+set(text "")
+set(table "")
+set(index 0)
+foreach(file IN LISTS FILES)
+  file(READ "${ROOT}/${file}" hex HEX)
+  string(LENGTH "${hex}" digits)
+  math(EXPR bytes "${digits} / 2")
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," array "${hex}")
+  string(APPEND text "constexpr unsigned char kFile${index}[] = {${array}0};\n")
+  string(APPEND table "    {\"${file}\", {reinterpret_cast<const char*>(kFile${index}), ${bytes}}},\n")
+  math(EXPR index "${index} + 1")
+endforeach()
+if(index EQUAL 0)
+  set(files "{}")
+else()
+  string(APPEND text "const chamfer::EmbeddedFile kFiles[] = {\n${table}};\n")
+  set(files "kFiles")
+endif()
+file(WRITE "${OUTPUT}" "#include \"${HEADER}\"\n\nnamespace {\n\n${text}\n} // namespace\n\n"
+  "std::span<const chamfer::EmbeddedFile> ${FUNCTION}() { return ${files}; }\n")
