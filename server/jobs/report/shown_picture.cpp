@@ -12,7 +12,7 @@ namespace chamfer {
 namespace {
 
 constexpr unsigned kMostSide = 1920, kLeastSide = 480;
-/// Pixels of all first pictures together: about 70 MB of PNG with the second ones and the heat maps.
+/// Pixels of all first pictures together: with the second ones and the heat maps about 110 MB of noisy PNG.
 constexpr double kMostPixels = 16e6;
 
 void setPixel(Image& image, std::size_t pixel, float r, float g, float b) {
