@@ -5,7 +5,7 @@ import { basename, dirname, join } from 'node:path';
 import { test } from 'node:test';
 
 const SOURCE = new URL('../..', import.meta.url).pathname;
-const DOCUMENTS = ['README.md', 'data/README.md', 'data/SCENES.md', 'server/deploy/README.md'];
+const DOCUMENTS = ['README.md', 'data/README.md', 'data/SCENES.md', 'data/COMPARISONS.md', 'server/deploy/README.md'];
 const PARTS = ['common', 'preprocess', 'server', 'web', 'data', 'tests'];
 
 const textOf = (name) => readFileSync(join(SOURCE, name), 'utf8');

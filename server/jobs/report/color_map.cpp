@@ -3,7 +3,6 @@
 #include "common/text.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <cstdio>
 
 namespace chamfer {
@@ -13,30 +12,34 @@ namespace {
 constexpr std::array<std::uint32_t, 9> kPoints = {0x000004, 0x1d1147, 0x51127c, 0x822681, 0xb63679,
                                                   0xe65164, 0xfb8861, 0xfec287, 0xfcfdbf};
 
-float channelOf(std::uint32_t color, unsigned channel) {
-  return float((color >> (16 - 8 * channel)) & 0xff) / 255;
+} // namespace
+
+MapColor colorOf(std::uint32_t rrggbb) {
+  return {float(rrggbb >> 16 & 0xff) / 255, float(rrggbb >> 8 & 0xff) / 255, float(rrggbb & 0xff) / 255};
 }
 
-} // namespace
+std::string hexOf(std::uint32_t rrggbb) {
+  char text[16];
+  std::snprintf(text, sizeof text, "#%06x", unsigned(rrggbb));
+  return text;
+}
 
 MapColor mapColor(float position) {
   const float place = std::clamp(position, 0.f, 1.f) * float(kPoints.size() - 1);
   const std::size_t first = std::min(std::size_t(place), kPoints.size() - 2);
   const float rest = place - float(first);
-  MapColor color;
+  MapColor color = colorOf(kPoints[first]);
+  const MapColor next = colorOf(kPoints[first + 1]);
   for (unsigned c = 0; c < 3; ++c)
-    color[c] = (1 - rest) * channelOf(kPoints[first], c) + rest * channelOf(kPoints[first + 1], c);
+    color[c] = (1 - rest) * color[c] + rest * next[c];
   return color;
 }
 
 std::string mapGradient() {
   std::string stops;
-  for (std::size_t i = 0; i < kPoints.size(); ++i) {
-    char hex[16];
-    std::snprintf(hex, sizeof hex, "#%06x ", unsigned(kPoints[i]));
-    stops +=
-        (i == 0 ? "" : ", ") + std::string(hex) + numberText(100.0 * double(i) / (kPoints.size() - 1)) + "%";
-  }
+  for (std::size_t i = 0; i < kPoints.size(); ++i)
+    stops += (i == 0 ? "" : ", ") + hexOf(kPoints[i]) + ' ' +
+             numberText(100.0 * double(i) / double(kPoints.size() - 1)) + '%';
   return stops;
 }
 

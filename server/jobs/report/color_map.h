@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 
 namespace chamfer {
@@ -16,7 +17,11 @@ MapColor mapColor(float position);
 /// "#000004 0%, #1d1147 12.5%, ...": the same as the stops of a CSS gradient.
 std::string mapGradient();
 
-/// For what has no place in the map: values that are no finite numbers.
-inline constexpr MapColor kNotFiniteColor = {0, 0.9f, 1};
+/// 0xrrggbb, sRGB-encoded, of what has no place in the map: values that are no finite numbers, and pixels
+/// that a region leaves out.
+inline constexpr std::uint32_t kNotFiniteColor = 0x00e6ff, kLeftOutColor = 0x808080;
+MapColor colorOf(std::uint32_t rrggbb);
+/// "#rrggbb".
+std::string hexOf(std::uint32_t rrggbb);
 
 } // namespace chamfer

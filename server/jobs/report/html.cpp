@@ -106,6 +106,8 @@ std::string comparisonHtml(const SuiteResult& result) {
   const Json data = {{"result", suiteJson(result)},
                      {"pictures", std::move(pictures)},
                      {"gradient", mapGradient()},
+                     {"not_finite_color", hexOf(kNotFiniteColor)},
+                     {"left_out_color", hexOf(kLeftOutColor)},
                      {"decades", kHeatDecades}};
   return filled(reportFile("report.html"),
                 {{"TITLE", forHtml(outcomeText(result.outcome()) + ": " + countsText(result))},

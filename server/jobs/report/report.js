@@ -1,7 +1,8 @@
-// Shows what the element #data holds: {result: as `chamferd compare --json` writes it, pictures: a case's each, gradient, decades}.
+// Shows what the element #data holds: {result: as `chamferd compare --json` writes it, pictures: a case's each, and how colours are meant}.
 'use strict';
 
-const { result, pictures, gradient, decades } = JSON.parse(document.getElementById('data').textContent);
+const { result, pictures, gradient, decades, not_finite_color: notFiniteColor, left_out_color: leftOutColor } =
+  JSON.parse(document.getElementById('data').textContent);
 
 const OUTCOMES = {
   same: { sign: '✓', text: 'same' },

@@ -1,7 +1,7 @@
 // The pictures of a case in the report: a slider between the two or both side by side, the map of their difference, marks, zoom.
 'use strict';
 
-// result, pictures, gradient, decades, make, choice, numberText and say are of report.js.
+// result, pictures, the colours, make, choice, numberText and say are of report.js.
 
 const ZOOMS = [1, 2, 4, 8, 16];
 const PLACE_ZOOM = 8; // that a place is shown with
@@ -77,7 +77,7 @@ class Views {
     for (const [name, side] of [['A', a], ['B', b]]) {
       if (side?.not_finite > 0) {
         lines.push(make('li', {}, make('span', { class: 'swatch' }), `${name} has ${side.not_finite} values that are no finite numbers: drawn in this colour.`));
-        lines.at(-1).firstChild.style.background = '#00e6ff';
+        lines.at(-1).firstChild.style.background = notFiniteColor;
       }
     }
     if (!heat && a && b) lines.push(make('li', {}, 'No map of the difference: the pictures are not of one size and number of channels.'));
@@ -196,7 +196,7 @@ class Views {
       ((y - crop.y + height / 2) / factor) * PLACE_ZOOM - viewport.clientHeight / 2,
     );
     this.follow(viewport);
-    this.grid.scrollIntoView({ block: 'nearest' });
+    this.element.scrollIntoView({ block: 'nearest' });
     say(`Shown ${PLACE_ZOOM} times as large`);
   }
 }
@@ -208,8 +208,8 @@ function scaleOf({ largest, has_left_out: hasLeftOut, not_finite: notFinite }) {
     element.style.background = color;
     legend.push(make('span', {}, element, text));
   };
-  if (hasLeftOut) swatch('#7f7f7f', 'left out (region)');
-  if (notFinite > 0) swatch('#00e6ff', 'not a finite number');
+  if (hasLeftOut) swatch(leftOutColor, 'left out (region)');
+  if (notFinite > 0) swatch(notFiniteColor, 'not a finite number');
   const facts = legend.length > 0 ? make('div', { class: 'facts quiet' }, legend) : null;
   if (!(largest > 0)) return make('div', { class: 'scale' }, make('p', { class: 'quiet' }, 'No value differs where it counts.'), facts);
   const bar = make('div', { class: 'bar' });

@@ -12,7 +12,7 @@ namespace chamfer {
 namespace {
 
 constexpr unsigned kMostSide = 1920, kLeastSide = 480;
-/// Pixels of all first pictures together: about 70 MB of PNG with the second ones and the heat maps.
+/// Pixels of all first pictures together: with the second ones and the heat maps about 110 MB of noisy PNG.
 constexpr double kMostPixels = 16e6;
 
 void setPixel(Image& image, std::size_t pixel, float r, float g, float b) {
@@ -97,7 +97,7 @@ ShownPicture shownPicture(const Picture& picture, unsigned factor) {
       if (isFinite)
         setPixel(shown.image, pixel, float(sum[0] / count), float(sum[1] / count), float(sum[2] / count));
       else
-        setEncoded(shown.image, pixel, kNotFiniteColor);
+        setEncoded(shown.image, pixel, colorOf(kNotFiniteColor));
     }
   return shown;
 }
@@ -127,14 +127,14 @@ HeatMap heatMapOf(const Picture& a, const Picture& b, const Region& region, unsi
         double& most = counts(pixel) ? largest : largestLeftOut;
         if (difference > most) most = difference;
       });
-      MapColor color = kNotFiniteColor;
+      MapColor color = colorOf(kNotFiniteColor);
       if (isFinite && anyCounts) {
         color = mapColor(heatPosition(largest, map.largest));
       } else if (isFinite) { // a hint of the difference on grey, which the map has not
         map.hasLeftOut = true;
         color = mapColor(heatPosition(largestLeftOut, map.largest));
-        for (float& c : color)
-          c = 0.2f * c + 0.8f * 0.5f;
+        for (unsigned c = 0; c < 3; ++c)
+          color[c] = 0.2f * color[c] + 0.8f * colorOf(kLeftOutColor)[c];
       }
       setEncoded(image, std::size_t(y) * image.width + x, color);
     }
