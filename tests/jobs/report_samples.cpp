@@ -15,7 +15,7 @@ Region wholeOf(const Picture& picture) {
   return region;
 }
 
-LevelResult levelOf(const std::string& level, unsigned block, Outcome outcome, const PixelRect& worst) {
+LevelResult levelOf(const std::string& level, unsigned block, Outcome outcome, const TileRect& worst) {
   LevelResult result;
   result.level = level;
   result.block = block;
@@ -143,7 +143,7 @@ SuiteResult makeSuite() {
   unsure.reason =
       "After 64 seeds, all that the budget allows, a difference of up to 1.3 % may still be there.";
   unsure.region.crop = {40, 20, 160, 120};
-  unsure.region.text = "mask sky.png";
+  unsure.region.text = "mask \"sky.png\": 12800 of 19200 pixels";
   unsure.region.counts.assign(unsure.a.mean.pixels(), 1);
   std::fill_n(unsure.region.counts.begin(), 160 * 40, std::uint8_t(0));
   unsure.region.pixels = 160 * 80;

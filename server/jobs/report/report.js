@@ -149,7 +149,7 @@ function warningsOf({ warnings, a, b }) {
 function bodyOf(one, index) {
   const { a, b } = pictures[index];
   const { crop, pixels, text } = one.region;
-  const region = pixels > 0 ? `${crop.width} × ${crop.height} at ${crop.x}, ${crop.y}${text ? `; ${text}` : ''}: ${pixels.toLocaleString('en')} pixels count.` : '';
+  const region = pixels > 0 ? `${crop.width} × ${crop.height} at ${crop.x}, ${crop.y}${text ? `; ${text}.` : `: ${pixels.toLocaleString('en')} pixels count.`}` : '';
   return make('div', { class: 'body' },
     warningsOf(one),
     a || b ? new Views(index).element : make('p', { class: 'quiet' }, 'No pictures: it never came to one.'),

@@ -80,8 +80,7 @@ std::string warningsText(const CaseResult& one) {
 std::string caseText(const CaseResult& one, bool isSuite) {
   std::string text = safe(one.name) + '\n';
   text += row("a", sideText(one.a)) + row("b", sideText(one.b));
-  if (!one.region.text.empty())
-    text += row("region", safe(one.region.text) + ": " + std::to_string(one.region.pixels) + " pixels");
+  if (!one.region.text.empty()) text += row("region", safe(one.region.text));
   text += metricRowsText(one);
   if (one.largest)
     text +=
