@@ -1,5 +1,6 @@
 #include "server/jobs/metrics/metrics.h"
 
+#include "tests/jobs/picture_of.h"
 #include "tests/support/temporary_folder.h"
 
 #include <algorithm>
@@ -11,21 +12,13 @@
 namespace chamfer {
 namespace {
 
+using test::pictureOf;
 using test::thrownBy;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-
-Picture pictureOf(unsigned width, unsigned height, unsigned channels, std::vector<float> values) {
-  Picture p;
-  p.width = width;
-  p.height = height;
-  p.channels = channels;
-  p.values = std::move(values);
-  return p;
-}
 
 Picture random(unsigned width, unsigned height, unsigned channels, unsigned seed) {
   Picture p = pictureOf(width, height, channels, {});
@@ -179,7 +172,7 @@ TEST(LargestError, IsNamedInTheFrame) {
   wrong.values[(6 * 12 + 7) * 3 + 1] += 2;
   wrong.values[(9 * 12 + 11) * 3 + 2] -= 9; // beyond the crop
   RegionChoice choice;
-  choice.crop = PixelRect{3, 2, 6, 5};
+  choice.crop = TileRect{3, 2, 6, 5};
   const Region region = regionOf(choice, 12, 10);
   const LargestError e = largestError(cropped(wrong, region.crop), cropped(frame, region.crop), region);
   EXPECT_EQ(e.x, 7u);
@@ -199,7 +192,7 @@ TEST(LargestError, IsNamedInTheFrame) {
 TEST(Metrics, PicturesThatDoNotFitTheRegionAreADefect) {
   const Picture p = random(4, 4, 3, 9);
   RegionChoice choice;
-  choice.crop = PixelRect{0, 0, 2, 2};
+  choice.crop = TileRect{0, 0, 2, 2};
   EXPECT_THAT(thrownBy([&] { metricOf(Metric::Mae, p, p, regionOf(choice, 4, 4)); }),
               StartsWith("internal: "));
   EXPECT_THAT(thrownBy([&] { metricOf(Metric::Mae, p, random(4, 4, 1, 9), whole(p)); }),

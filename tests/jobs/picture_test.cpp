@@ -2,6 +2,7 @@
 
 #include "server/jobs/metrics/metrics.h"
 #include "server/render/image/image_io.h"
+#include "tests/jobs/picture_of.h"
 #include "tests/support/temporary_folder.h"
 
 #include <cmath>
@@ -12,6 +13,7 @@ namespace chamfer {
 namespace {
 
 namespace fs = std::filesystem;
+using test::pictureOf;
 using test::TemporaryFolder;
 using test::thrownBy;
 using testing::AllOf;
@@ -38,15 +40,6 @@ Picture readChannelsNamed(const TemporaryFolder& folder, const std::vector<std::
   for (std::size_t i = 0; i < names.size(); ++i)
     image.values.push_back(float(i + 1));
   return readPicture(folder.write("channels.exr", textOf(encodeExr(image))));
-}
-
-Picture pictureOf(unsigned width, unsigned height, unsigned channels, std::vector<float> values) {
-  Picture p;
-  p.width = width;
-  p.height = height;
-  p.channels = channels;
-  p.values = std::move(values);
-  return p;
 }
 
 TEST(ReadPicture, IntegerPixelsAreDisplayAndDecoded) {

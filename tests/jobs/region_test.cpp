@@ -36,7 +36,7 @@ std::filesystem::path writeMask(const TemporaryFolder& folder, unsigned width, s
 }
 
 TEST(PixelRect, IsReadFromFourNumbers) {
-  EXPECT_EQ(parsePixelRect("1,2,3,4"), (PixelRect{1, 2, 3, 4}));
+  EXPECT_EQ(parsePixelRect("1,2,3,4"), (TileRect{1, 2, 3, 4}));
   EXPECT_EQ(parsePixelRect("0,0,4294967295,1").width, 4294967295u);
   for (const char* bad : {"", "1,2,3", "1,2,3,", "1,2,3,4,5", "1,2,3,4 ", " 1,2,3,4", "1;2;3;4", "-1,2,3,4",
                           "+1,2,3,4", "1.5,2,3,4", "a,b,c,d", "1,,3,4", "1,2,3,4294967296"})
@@ -47,18 +47,18 @@ TEST(PixelRect, IsReadFromFourNumbers) {
 
 TEST(Region, IsTheWholePictureByDefault) {
   const Region r = regionOf({}, 5, 4);
-  EXPECT_EQ(r.crop, (PixelRect{0, 0, 5, 4}));
+  EXPECT_EQ(r.crop, (TileRect{0, 0, 5, 4}));
   EXPECT_EQ(r.pixels, 20u);
   EXPECT_THAT(r.counts, IsEmpty());
   EXPECT_EQ(r.text, "");
-  const Region cropped = regionOf({PixelRect{1, 2, 3, 2}, {}, {}, {}}, 5, 4);
+  const Region cropped = regionOf({TileRect{1, 2, 3, 2}, {}, {}, {}}, 5, 4);
   EXPECT_EQ(cropped.pixels, 6u);
   EXPECT_EQ(cropped.text, "") << "every pixel of the crop counts";
 }
 
 TEST(Region, RectanglesAreInTheFrame) {
   RegionChoice choice;
-  choice.crop = PixelRect{1, 1, 3, 2};
+  choice.crop = TileRect{1, 1, 3, 2};
   choice.only = {{0, 0, 3, 2}, {3, 2, 1, 1}};
   choice.except = {{1, 1, 1, 1}};
   const Region r = regionOf(choice, 5, 4);
@@ -74,7 +74,7 @@ TEST(Region, MaskCountsAboveHalfAndIsOfTheFrame) {
   RegionChoice choice;
   choice.mask = writeMask(folder, 3, {0, 127, 128, 255, 254, 1});
   EXPECT_THAT(regionOf(choice, 3, 2).counts, ElementsAre(0, 0, 1, 1, 1, 0));
-  choice.crop = PixelRect{1, 0, 2, 2};
+  choice.crop = TileRect{1, 0, 2, 2};
   const Region r = regionOf(choice, 3, 2);
   EXPECT_THAT(r.counts, ElementsAre(0, 1, 1, 0));
   EXPECT_EQ(r.pixels, 2u);
@@ -104,9 +104,9 @@ TEST(Region, MaskMayBeDrawnInAlphaOrInFloat) {
 TEST(Region, RefusesWhatLeavesNothingOrLiesBeyond) {
   const TemporaryFolder folder;
   const auto thrown = [](const RegionChoice& choice) { return thrownBy([&] { regionOf(choice, 4, 3); }); };
-  for (const PixelRect& r :
-       {PixelRect{0, 0, 5, 1}, PixelRect{0, 0, 1, 4}, PixelRect{4, 0, 1, 1}, PixelRect{1, 0, 4294967295u, 1},
-        PixelRect{0, 4294967295u, 1, 1}, PixelRect{0, 0, 0, 1}}) {
+  for (const TileRect& r :
+       {TileRect{0, 0, 5, 1}, TileRect{0, 0, 1, 4}, TileRect{4, 0, 1, 1}, TileRect{1, 0, 4294967295u, 1},
+        TileRect{0, 4294967295u, 1, 1}, TileRect{0, 0, 0, 1}}) {
     RegionChoice crop, only, except;
     crop.crop = r;
     only.only = {r};
@@ -115,14 +115,14 @@ TEST(Region, RefusesWhatLeavesNothingOrLiesBeyond) {
       EXPECT_THAT(thrown(*choice), StartsWith("out-of-range: ")) << r.x << ' ' << r.width;
   }
   RegionChoice choice;
-  choice.crop = PixelRect{0, 0, 5, 1};
+  choice.crop = TileRect{0, 0, 5, 1};
   EXPECT_THAT(thrown(choice), AllOf(HasSubstr("0,0,5,1"), HasSubstr("4x3")));
 
   choice = {};
   choice.except = {{0, 0, 4, 3}};
   EXPECT_THAT(thrown(choice), AllOf(StartsWith("out-of-range: no pixel"), HasSubstr("except 0,0,4,3")));
   choice = {};
-  choice.crop = PixelRect{0, 0, 1, 1};
+  choice.crop = TileRect{0, 0, 1, 1};
   choice.only = {{1, 1, 1, 1}};
   EXPECT_THAT(thrown(choice), StartsWith("out-of-range: no pixel"));
 

@@ -1,6 +1,8 @@
 // The three answers of the statistics, on made-up noise whose truth is known.
 #include "server/jobs/statistics/statistics.h"
 
+#include "tests/jobs/picture_of.h"
+
 #include <gtest/gtest.h>
 #include <random>
 
@@ -12,7 +14,7 @@ constexpr unsigned kWidth = 24, kHeight = 16;
 /// Skewed noise of mean `mean`: mostly dark, sometimes bright, as a path tracer's.
 Picture noise(std::mt19937_64& random, float mean) {
   std::exponential_distribution<float> value(1 / mean);
-  Picture p{kWidth, kHeight, 3, std::vector<float>(std::size_t(kWidth) * kHeight * 3), {}, false, {}};
+  Picture p = test::pictureOf(kWidth, kHeight, 3, std::vector<float>(std::size_t(kWidth) * kHeight * 3));
   for (float& v : p.values)
     v = (value(random) + value(random) + value(random)) / 3;
   return p;
@@ -25,15 +27,6 @@ Region wholeRegion() {
   return region;
 }
 
-Outcome outcomeOf(const StatisticsResult& result) {
-  bool all = true;
-  for (const LevelResult& level : result.levels) {
-    if (level.outcome == Outcome::Differs) return Outcome::Differs;
-    all = all && level.outcome == Outcome::Same;
-  }
-  return all ? Outcome::Same : Outcome::CannotTell;
-}
-
 template <class Change>
 Outcome compare(const StatisticsChoice& choice, unsigned long seed, Change&& change) {
   std::mt19937_64 random(seed);
@@ -44,7 +37,7 @@ Outcome compare(const StatisticsChoice& choice, unsigned long seed, Change&& cha
     Picture b = noise(random, 1);
     change(b);
     test->add(a, b);
-    if (isLook(n, choice.mostSeeds)) outcome = outcomeOf(test->judge(1));
+    if (isLook(n, choice.mostSeeds)) outcome = test->judge(1).outcome();
   }
   return outcome;
 }
@@ -125,7 +118,7 @@ TEST(ReferenceTest, KnowsTheNoiseOfBothSides) {
         v *= factor;
       test->add(a, {});
     }
-    return outcomeOf(test->judge(1));
+    return test->judge(1).outcome();
   };
   EXPECT_EQ(judged(1), Outcome::Same);
   EXPECT_EQ(judged(1.1f), Outcome::Differs);

@@ -24,6 +24,14 @@ std::size_t rowOf(Outcome outcome) {
   return 0; // what is unknown is an error
 }
 
+template <class Results>
+Outcome worstOf(const Results& results) {
+  Outcome all = Outcome::Same;
+  for (const auto& one : results)
+    all = worse(all, one.outcome);
+  return results.empty() ? Outcome::Error : all; // nothing compared is no pass
+}
+
 } // namespace
 
 const char* outcomeWord(Outcome outcome) { return kOutcomes[rowOf(outcome)].word; }
@@ -32,11 +40,8 @@ Outcome worse(Outcome a, Outcome b) { return kOutcomes[std::min(rowOf(a), rowOf(
 
 int exitStatusOf(Outcome outcome) { return kOutcomes[rowOf(outcome)].exitStatus; }
 
-Outcome SuiteResult::outcome() const {
-  Outcome all = Outcome::Same;
-  for (const CaseResult& one : cases)
-    all = worse(all, one.outcome);
-  return cases.empty() ? Outcome::Error : all; // nothing compared is no pass
-}
+Outcome StatisticsResult::outcome() const { return worstOf(levels); }
+
+Outcome SuiteResult::outcome() const { return worstOf(cases); }
 
 } // namespace chamfer

@@ -46,7 +46,7 @@ struct LevelResult {
   Outcome outcome = Outcome::CannotTell;
   double pValue = 1; ///< of the worst place, corrected for the number of places and levels
   /// The place whose difference stands out most from its noise, in the frame.
-  PixelRect worst;
+  TileRect worst;
   unsigned channel = 0;
   double a = 0, b = 0; ///< means there
   /// Relative to the brightness there (statistics.h says how): the smallest difference that would have been
@@ -61,6 +61,7 @@ struct StatisticsResult {
   unsigned seeds = 0, mostSeeds = 0; ///< of each side: rendered, and what the budget allows
   bool identical = false;            ///< no value differed in any seed
   std::vector<LevelResult> levels;
+  Outcome outcome() const; ///< of all levels together
 };
 
 struct MetricResult {

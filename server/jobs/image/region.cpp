@@ -13,21 +13,21 @@ std::string sizeText(unsigned width, unsigned height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-std::string rectText(const PixelRect& r) {
+std::string rectText(const TileRect& r) {
   return std::to_string(r.x) + "," + std::to_string(r.y) + "," + std::to_string(r.width) + "," +
          std::to_string(r.height);
 }
 
-std::string rectsText(const std::vector<PixelRect>& rects) {
+std::string rectsText(const std::vector<TileRect>& rects) {
   std::string text;
-  for (const PixelRect& r : rects)
+  for (const TileRect& r : rects)
     text += (text.empty() ? "" : " ") + rectText(r);
   return text;
 }
 
 [[noreturn]] void outOfRange(const std::string& why) { throw Error(ErrorKind::OutOfRange, why); }
 
-void requireWithin(const PixelRect& r, unsigned width, unsigned height, const char* what) {
+void requireWithin(const TileRect& r, unsigned width, unsigned height, const char* what) {
   if (r.width == 0 || r.height == 0) outOfRange(std::string(what) + " " + rectText(r) + " has no pixel");
   if (std::uint64_t(r.x) + r.width > width || std::uint64_t(r.y) + r.height > height)
     outOfRange(std::string(what) + " " + rectText(r) + " (x,y,width,height) goes beyond the picture of " +
@@ -58,17 +58,17 @@ std::vector<std::uint8_t> readMask(const std::filesystem::path& file, unsigned w
   return counts;
 }
 
-bool contains(const PixelRect& r, unsigned x, unsigned y) {
+bool contains(const TileRect& r, unsigned x, unsigned y) {
   return x >= r.x && y >= r.y && x - r.x < r.width && y - r.y < r.height;
 }
 
-bool inAny(const std::vector<PixelRect>& rects, unsigned x, unsigned y) {
-  return std::any_of(rects.begin(), rects.end(), [&](const PixelRect& r) { return contains(r, x, y); });
+bool inAny(const std::vector<TileRect>& rects, unsigned x, unsigned y) {
+  return std::any_of(rects.begin(), rects.end(), [&](const TileRect& r) { return contains(r, x, y); });
 }
 
 } // namespace
 
-PixelRect parsePixelRect(std::string_view text) {
+TileRect parsePixelRect(std::string_view text) {
   unsigned numbers[4];
   const char *at = text.data(), *end = at + text.size();
   bool good = true;
@@ -81,7 +81,7 @@ PixelRect parsePixelRect(std::string_view text) {
   if (!good || at != end)
     throw Error(ErrorKind::Usage, inQuotes(text) + " is not a rectangle: x,y,width,height in whole pixels, "
                                                    "as in 0,0,640,480");
-  const PixelRect rect{numbers[0], numbers[1], numbers[2], numbers[3]};
+  const TileRect rect{numbers[0], numbers[1], numbers[2], numbers[3]};
   if (rect.width == 0 || rect.height == 0)
     outOfRange(inQuotes(text) + " has no pixel: width and height must be 1 or more");
   return rect;
@@ -90,11 +90,11 @@ PixelRect parsePixelRect(std::string_view text) {
 Region regionOf(const RegionChoice& choice, unsigned frameWidth, unsigned frameHeight) {
   if (frameWidth == 0 || frameHeight == 0) outOfRange("a picture without any pixel");
   Region region;
-  region.crop = choice.crop.value_or(PixelRect{0, 0, frameWidth, frameHeight});
+  region.crop = choice.crop.value_or(TileRect{0, 0, frameWidth, frameHeight});
   requireWithin(region.crop, frameWidth, frameHeight, "the crop");
-  for (const PixelRect& r : choice.only)
+  for (const TileRect& r : choice.only)
     requireWithin(r, frameWidth, frameHeight, "the rectangle of what counts,");
-  for (const PixelRect& r : choice.except)
+  for (const TileRect& r : choice.except)
     requireWithin(r, frameWidth, frameHeight, "the rectangle of what is left out,");
   region.pixels = std::size_t(region.crop.width) * region.crop.height;
   if (choice.mask.empty() && choice.only.empty() && choice.except.empty()) return region;
@@ -119,7 +119,7 @@ Region regionOf(const RegionChoice& choice, unsigned frameWidth, unsigned frameH
   return region;
 }
 
-Picture cropped(const Picture& picture, const PixelRect& crop) {
+Picture cropped(const Picture& picture, const TileRect& crop) {
   requireWithin(crop, picture.width, picture.height, "the crop");
   Picture result;
   result.width = crop.width;

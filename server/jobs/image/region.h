@@ -2,6 +2,7 @@
 #pragma once
 
 #include "server/jobs/image/picture.h"
+#include "server/render/path/render.h"
 
 #include <cstdint>
 #include <string>
@@ -10,26 +11,21 @@
 
 namespace chamfer {
 
-struct PixelRect {
-  unsigned x = 0, y = 0, width = 0, height = 0; ///< pixels, y down from the top
-  bool operator==(const PixelRect&) const = default;
-};
-
 /// "x,y,w,h". Error(Usage); Error(OutOfRange) where width or height is 0.
-PixelRect parsePixelRect(std::string_view text);
+TileRect parsePixelRect(std::string_view text);
 
 /// What a case says about which pixels count, in the frame's coordinates.
 struct RegionChoice {
-  std::optional<PixelRect> crop; ///< nothing: the whole picture
+  std::optional<TileRect> crop; ///< nothing: the whole picture
   /// An image of the frame's size: pixels count whose largest colour channel is above half of white as it is
   /// stored (128 to 255 of 8 bits), and whose alpha is, if there is one. Empty: all.
   std::filesystem::path mask;
-  std::vector<PixelRect> only, except; ///< pixels in any of `only` (empty: all), but in none of `except`
+  std::vector<TileRect> only, except; ///< pixels in any of `only` (empty: all), but in none of `except`
 };
 
 /// For one size of pictures.
 struct Region {
-  PixelRect crop;
+  TileRect crop;
   std::vector<std::uint8_t> counts; ///< [crop.height][crop.width], 0 or 1; empty: all do
   std::size_t pixels = 0;           ///< that count; at least 1
   /// Of masks and rectangles, for reports, with how many pixels count; empty: there are none of them.
@@ -41,6 +37,6 @@ struct Region {
 Region regionOf(const RegionChoice& choice, unsigned frameWidth, unsigned frameHeight);
 
 /// The crop's part of the picture, variance and attributes included.
-Picture cropped(const Picture& picture, const PixelRect& crop);
+Picture cropped(const Picture& picture, const TileRect& crop);
 
 } // namespace chamfer

@@ -25,7 +25,7 @@ Json pairsJson(const Pairs& pairs) {
   return all;
 }
 
-Json rectJson(const PixelRect& rect) {
+Json rectJson(const TileRect& rect) {
   return {{"x", rect.x}, {"y", rect.y}, {"width", rect.width}, {"height", rect.height}};
 }
 

@@ -11,9 +11,6 @@ namespace {
 
 namespace math = boost::math;
 
-/// Differences below this part of the brightness are float32's rounding.
-constexpr double kRounding = 1e-6;
-
 /// One level of one side: means and the variances of these means; no variances: exact.
 struct LevelMeans {
   std::vector<float> mean, variance;
@@ -34,7 +31,7 @@ LevelResult judge(const LevelRow& row, const LevelGrid& grid, const LevelMeans& 
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const double variance =
         (a.variance.empty() ? 0 : double(a.variance[i])) + (b.variance.empty() ? 0 : double(b.variance[i]));
-    const double least = kRounding * double(brightness[i]);
+    const double least = kRoundingShare * double(brightness[i]);
     const double deviation = std::sqrt(std::max(variance, least * least));
     halfWidths[i] = float(critical * deviation);
     const double beyond =
@@ -54,10 +51,7 @@ LevelResult judge(const LevelRow& row, const LevelGrid& grid, const LevelMeans& 
 LevelMeans levelOf(const LevelGrid& grid, const Picture& image) {
   LevelMeans level{grid.means(image.values), {}};
   if (image.variance.empty()) return level;
-  level.variance = grid.variances(image.variance);
-  const std::vector<float> near = grid.neighbourhoodMeans(level.variance);
-  for (std::size_t i = 0; i < near.size(); ++i)
-    level.variance[i] = std::max(level.variance[i], near[i]);
+  level.variance = grid.raisedToNeighbours(grid.variances(image.variance));
   return level;
 }
 
@@ -127,14 +121,11 @@ private:
       render.mean[i] = float(double(level.image.mean[i]) + mean);
       render.variance[i] = float(std::max(0.0, level.squares[i] / n - mean * mean) / std::max(1.0, n - 1));
     }
-    const std::vector<float> near = level.grid.neighbourhoodMeans(render.variance);
-    const bool shared = !level.image.variance.empty() && imageSamples_ > 0 && samplesPerSeed_ > 0;
-    const double ratio = shared ? imageSamples_ / (n * samplesPerSeed_) : 0;
-    for (std::size_t i = 0; i < near.size(); ++i) {
-      render.variance[i] = std::max(render.variance[i], near[i]);
-      if (shared)
-        render.variance[i] = std::max(render.variance[i], float(double(level.image.variance[i]) * ratio));
-    }
+    render.variance = level.grid.raisedToNeighbours(render.variance);
+    if (level.image.variance.empty() || imageSamples_ == 0 || samplesPerSeed_ == 0) return render;
+    const double ratio = imageSamples_ / (n * samplesPerSeed_);
+    for (std::size_t i = 0; i < render.variance.size(); ++i)
+      render.variance[i] = std::max(render.variance[i], float(double(level.image.variance[i]) * ratio));
     return render;
   }
 

@@ -13,11 +13,9 @@ LevelGrid::LevelGrid(const Region& region, unsigned channels, unsigned block)
     : crop_(region.crop), channels_(channels), block_(block), columns_(blocksAlong(region.crop.width, block)),
       rows_(blocksAlong(region.crop.height, block)), counts_(region.counts),
       pixels_(std::size_t(columns_) * rows_, 0) {
-  const unsigned side = block_ == 0 ? std::max(crop_.width, crop_.height) : block_;
   for (unsigned y = 0; y < crop_.height; ++y)
     for (unsigned x = 0; x < crop_.width; ++x)
-      pixels_[std::size_t(y / side) * columns_ + x / side] +=
-          counts_.empty() || counts_[std::size_t(y) * crop_.width + x] != 0;
+      pixels_[blockAt(x, y)] += counts_.empty() || counts_[std::size_t(y) * crop_.width + x] != 0;
 }
 
 std::size_t LevelGrid::tests() const {
@@ -27,12 +25,11 @@ std::size_t LevelGrid::tests() const {
 
 std::vector<double> LevelGrid::sums(std::span<const float> values) const {
   std::vector<double> sums(size(), 0);
-  const unsigned side = block_ == 0 ? std::max(crop_.width, crop_.height) : block_;
   for (unsigned y = 0; y < crop_.height; ++y)
     for (unsigned x = 0; x < crop_.width; ++x) {
       const std::size_t pixel = std::size_t(y) * crop_.width + x;
       if (!counts_.empty() && counts_[pixel] == 0) continue;
-      const std::size_t at = (std::size_t(y / side) * columns_ + x / side) * channels_;
+      const std::size_t at = blockAt(x, y) * channels_;
       for (unsigned c = 0; c < channels_; ++c)
         sums[at + c] += double(values[pixel * channels_ + c]);
     }
@@ -57,8 +54,8 @@ std::vector<float> LevelGrid::variances(std::span<const float> pixelVariances) c
   return variances;
 }
 
-std::vector<float> LevelGrid::neighbourhoodMeans(std::span<const float> level) const {
-  std::vector<float> means(level.size(), 0);
+std::vector<float> LevelGrid::raisedToNeighbours(std::span<const float> level) const {
+  std::vector<float> raised(level.begin(), level.end());
   for (unsigned y = 0; y < rows_; ++y)
     for (unsigned x = 0; x < columns_; ++x)
       for (unsigned c = 0; c < channels_; ++c) {
@@ -71,12 +68,14 @@ std::vector<float> LevelGrid::neighbourhoodMeans(std::span<const float> level) c
             sum += double(level[block * channels_ + c]);
             ++near;
           }
-        if (near > 0) means[(std::size_t(y) * columns_ + x) * channels_ + c] = float(sum / near);
+        if (near == 0) continue;
+        float& value = raised[(std::size_t(y) * columns_ + x) * channels_ + c];
+        value = std::max(value, float(sum / near));
       }
-  return means;
+  return raised;
 }
 
-PixelRect LevelGrid::rectOf(std::size_t value) const {
+TileRect LevelGrid::rectOf(std::size_t value) const {
   const std::size_t at = value / channels_;
   const unsigned x = unsigned(at % columns_), y = unsigned(at / columns_);
   if (block_ == 0) return crop_;

@@ -30,16 +30,21 @@ public:
   std::vector<float> means(std::span<const float> values) const;
   /// The variance of the blocks' means where the pixels' noise is independent, as the sampler's is.
   std::vector<float> variances(std::span<const float> pixelVariances) const;
-  /// Each value and its up to eight neighbours of the same channel: their mean (blocks without pixels left
-  /// out).
-  std::vector<float> neighbourhoodMeans(std::span<const float> level) const;
+  /// Each value, or the mean of it and its up to eight neighbours of the same channel (those with counting
+  /// pixels) where that is larger. Of few seeds a place's own variance is unreliable: none may have met a
+  /// rare path that another meets.
+  std::vector<float> raisedToNeighbours(std::span<const float> level) const;
   /// The block of a value of the level, in the frame.
-  PixelRect rectOf(std::size_t value) const;
+  TileRect rectOf(std::size_t value) const;
 
 private:
+  /// The block of a pixel of the crop.
+  std::size_t blockAt(unsigned x, unsigned y) const {
+    return block_ == 0 ? 0 : std::size_t(y / block_) * columns_ + x / block_;
+  }
   std::vector<double> sums(std::span<const float> values) const;
 
-  PixelRect crop_;
+  TileRect crop_;
   unsigned channels_, block_, columns_, rows_;
   std::vector<std::uint8_t> counts_; ///< of the region
   std::vector<unsigned> pixels_;     ///< [rows][columns]: that count

@@ -20,6 +20,9 @@ inline constexpr std::array<LevelRow, 3> kLevels = {{{"pixel", 1, 0.5, &PerLevel
                                                      {"block", 8, 0.25, &PerLevel::block},
                                                      {"image", 0, 0.25, &PerLevel::image}}};
 
+/// Differences below this part of the brightness are float32's rounding.
+inline constexpr double kRoundingShare = 1e-6;
+
 /// Of each value of the level: what differences there are relative to. Above 0.
 std::vector<float> brightnessOf(const LevelGrid& grid, std::span<const float> a, std::span<const float> b);
 

@@ -16,9 +16,6 @@ constexpr unsigned kMostGroups = 32, kGroupsOfLarge = 16;
 constexpr std::size_t kLargeValues = std::size_t{1} << 22;
 /// Values handled together: of all groups they stay in the second-level cache.
 constexpr std::size_t kStrip = 512;
-/// Differences below this part of the brightness are float32's rounding.
-constexpr double kRounding = 1e-6;
-
 /// Signs of each flip: [flips][groups], +1 or -1. The same for every comparison, so that a verdict can be
 /// repeated.
 std::vector<float> randomSigns(std::size_t flips, std::size_t groups) {
@@ -151,11 +148,12 @@ private:
       b[i] = float(level.sumB[i] / seeds_);
     }
     const std::vector<float> brightness = brightnessOf(level.grid, a, b);
-    const Groups groups = withoutTolerated(level, brightness, choice_.tolerance.*row.of);
+    const double tolerance = choice_.tolerance.*row.of;
+    const Groups shifted = tolerance > 0 ? withoutTolerated(level.groups, brightness, tolerance) : Groups();
+    const Groups& groups = tolerance > 0 ? shifted : level.groups; // large: no copy without need
 
-    // Second moments and variances of a group's difference. Of few groups a place's own are unreliable (none
-    // may have met a rare path that another meets): those of its neighbourhood count where they are larger.
-    std::vector<float> moments(values, 0), variances(values, 0);
+    std::vector<double> sums(values);
+    std::vector<float> moments(values), variances(values); // of a group's difference
     for (std::size_t i = 0; i < values; ++i) {
       double sum = 0, squares = 0;
       for (std::size_t k = 0; k < n; ++k) {
@@ -163,23 +161,19 @@ private:
         sum += d;
         squares += d * d;
       }
+      sums[i] = sum;
       moments[i] = float(squares);
       variances[i] = float(std::max(0.0, squares - sum * sum / double(n)) / double(n > 1 ? n - 1 : 1));
     }
-    const std::vector<float> nearMoments = level.grid.neighbourhoodMeans(moments);
-    const std::vector<float> nearVariances = level.grid.neighbourhoodMeans(variances);
-    std::vector<float> weights(values, 0), deviations(values, 0);
+    moments = level.grid.raisedToNeighbours(moments);
+    variances = level.grid.raisedToNeighbours(variances);
+    std::vector<float> weights(values);
     LevelEvidence evidence{a, b, brightness, {}, 0, 1};
     double most = 0;
     for (std::size_t i = 0; i < values; ++i) {
-      const double least = kRounding * double(brightness[i]) * seedsInGroup_;
-      const double moment = std::max({double(moments[i]), double(nearMoments[i]), double(n) * least * least});
-      weights[i] = float(1 / std::sqrt(moment));
-      deviations[i] = float(std::sqrt(std::max(variances[i], nearVariances[i])));
-      double sum = 0;
-      for (std::size_t k = 0; k < n; ++k)
-        sum += double(groups[k][i]);
-      if (const double u = std::abs(sum) * double(weights[i]); u > most) most = u, evidence.worst = i;
+      const double least = kRoundingShare * double(brightness[i]) * seedsInGroup_;
+      weights[i] = float(1 / std::sqrt(std::max(double(moments[i]), double(n) * least * least)));
+      if (const double u = std::abs(sums[i]) * double(weights[i]); u > most) most = u, evidence.worst = i;
     }
 
     const auto flips = std::size_t(std::ceil(2 / significance));
@@ -197,15 +191,13 @@ private:
     const double t = std::sqrt(u2 * double(n - 1) / (double(n) - u2)); // Student's, as u is of it
     std::vector<float> halfWidths(values);
     for (std::size_t i = 0; i < values; ++i)
-      halfWidths[i] = float(t * double(deviations[i]) / std::sqrt(double(n)) / seedsInGroup_);
+      halfWidths[i] = float(t * std::sqrt(double(variances[i]) / double(n)) / seedsInGroup_);
     evidence.halfWidths = halfWidths;
     return judgeLevel(row, level.grid, evidence, choice_, significance);
   }
 
   /// The groups' differences less what is tolerated: their mean moves towards 0 by it, or to 0.
-  Groups withoutTolerated(const Level& level, std::span<const float> brightness, double tolerance) const {
-    Groups groups = level.groups;
-    if (!(tolerance > 0)) return groups;
+  Groups withoutTolerated(Groups groups, std::span<const float> brightness, double tolerance) const {
     for (std::size_t i = 0; i < brightness.size(); ++i) {
       double sum = 0;
       for (const std::vector<float>& group : groups)

@@ -39,6 +39,7 @@ struct RenderSettings {
 
 struct TileRect {
   unsigned x = 0, y = 0, width = 0, height = 0; ///< pixels, y down from the top
+  bool operator==(const TileRect&) const = default;
 };
 
 /// Rays of one kind: how many were traced, of these how many met a surface, of these how many met it on a
