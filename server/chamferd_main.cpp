@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "server/http/serve_command.h"
 #include "server/http/version.h"
+#include "server/jobs/cli/compare_options.h"
 #include "server/render/cli/render_command.h"
 
 #include <CLI/CLI.hpp>
@@ -169,24 +170,34 @@ int main(int argc, char** argv) {
       "Every option of a command can also be set as an environment variable, as in CHAMFER_PORT or\n"
       "CHAMFER_KEY_FILE; an option on the command line wins. `chamferd COMMAND --help` lists them.\n"
       "Exit status: 0 done, 1 internal error, 2 usage, 3 unreadable or malformed input, 4 not a convex\n"
-      "solid, 5 radius too large, 6 cannot write.");
+      "solid, 5 radius too large, 6 cannot write. Of compare: 0 same, 1 differs, 2 cannot tell or error.");
   ServeCommandOptions serveOptions;
   RenderCommandOptions renderOptions;
+  chamfer::CompareCommandOptions compareOptions;
   const CLI::App* serve = addServe(app, serveOptions);
-  addRender(app, renderOptions);
+  const CLI::App* render = addRender(app, renderOptions);
+  CLI::App* compare = addCompareCommand(app, compareOptions);
+  mirrorInEnvironment(*compare);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : chamfer::exitStatus(chamfer::ErrorKind::Usage);
   }
+  // Of a comparison 1 says that the sides differ, and nothing else may.
+  const auto statusOf = [&](chamfer::ErrorKind kind) {
+    return compare->parsed() ? chamfer::exitStatusOf(chamfer::Outcome::Error) : chamfer::exitStatus(kind);
+  };
   try {
-    return serve->parsed() ? chamfer::http::runServeCommand(serveOptions)
-                           : chamfer::runRenderCommand(renderOptions);
+    if (serve->parsed()) return chamfer::http::runServeCommand(serveOptions);
+    if (render->parsed()) return chamfer::runRenderCommand(renderOptions);
+    compareOptions.version = chamfer::http::kVersion;
+    compareOptions.command = chamfer::shellText({argv, argv + argc});
+    return chamfer::runCompareCommand(compareOptions);
   } catch (const chamfer::Error& error) {
     std::fprintf(stderr, "chamferd: %s\n", error.what());
-    return chamfer::exitStatus(error.kind());
+    return statusOf(error.kind());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "chamferd: internal error: %s\n", error.what());
-    return chamfer::exitStatus(chamfer::ErrorKind::Internal);
+    return statusOf(chamfer::ErrorKind::Internal);
   }
 }

@@ -1,9 +1,9 @@
+#include "server/jobs/compare/words.h"
 #include "server/jobs/report/color_map.h"
 #include "server/jobs/report/json.h"
 #include "server/jobs/report/report_files.h"
 #include "server/jobs/report/reports.h"
 #include "server/jobs/report/shown_picture.h"
-#include "server/jobs/report/words.h"
 
 #include "common/error.h"
 

@@ -1,7 +1,7 @@
 #include "server/jobs/report/json.h"
 
+#include "server/jobs/compare/words.h"
 #include "server/jobs/report/reports.h"
-#include "server/jobs/report/words.h"
 
 #include <cmath>
 #include <initializer_list>

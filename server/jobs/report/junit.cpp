@@ -1,5 +1,5 @@
+#include "server/jobs/compare/words.h"
 #include "server/jobs/report/reports.h"
-#include "server/jobs/report/words.h"
 
 #include <cstdio>
 #include <pugixml.hpp>

@@ -1,5 +1,5 @@
+#include "server/jobs/compare/words.h"
 #include "server/jobs/report/reports.h"
-#include "server/jobs/report/words.h"
 
 #include "common/text.h"
 
@@ -58,14 +58,6 @@ std::string metricRowsText(const CaseResult& one) {
   if (!kept.empty()) rows += row("other limits", kept);
   if (!shown.empty()) rows += row("no limits", shown);
   return rows;
-}
-
-/// The level that decided: the worst, of equal ones the coarsest, which sees the smallest differences.
-const LevelResult* decidingLevel(const StatisticsResult& statistics) {
-  const LevelResult* found = nullptr;
-  for (const LevelResult& level : statistics.levels)
-    if (!found || worse(found->outcome, level.outcome) == level.outcome) found = &level;
-  return found;
 }
 
 std::string warningsText(const CaseResult& one) {

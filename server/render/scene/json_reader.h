@@ -50,6 +50,14 @@ public:
     if (has(key)) f(at(key));
   }
 
+  /// Fails unless this is an object; calls `f` with each member's key and reader.
+  template <class F>
+  void forEachMember(F&& f) const {
+    if (!isObject()) fail("must be an object, is " + text());
+    for (const auto& member : value_->items())
+      f(member.key(), at(member.key().c_str()));
+  }
+
   std::size_t size() const { return value_->size(); } ///< of an array
   JsonReader at(std::size_t index) const;
   /// Fails unless this is an array; calls `f` for each element in order.

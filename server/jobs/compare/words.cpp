@@ -1,4 +1,4 @@
-#include "server/jobs/report/words.h"
+#include "server/jobs/compare/words.h"
 
 #include "common/text.h"
 
@@ -21,6 +21,14 @@ std::string placeText(const LevelResult& level) {
   const std::string side = std::to_string(level.block);
   const bool vowel = side.starts_with('8') || side == "11" || side == "18";
   return (vowel ? "an " : "a ") + side + " x " + side + " block";
+}
+
+/// "0.31 against 0.6"; of numbers that differ little with as many digits as show it.
+std::string againstText(double a, double b) {
+  int digits = kDigits;
+  while (a != b && digits < 9 && numberText(a, digits) == numberText(b, digits))
+    ++digits;
+  return numberText(a, digits) + " against " + numberText(b, digits);
 }
 
 } // namespace
@@ -61,8 +69,8 @@ std::string levelText(const LevelResult& level, unsigned channels) {
     if (level.block != 0)
       where = (level.block == 1 ? "The pixel at " : "The block at ") + std::to_string(level.worst.x) + ", " +
               std::to_string(level.worst.y);
-    return where + " differs (" + channelText(level.channel, channels) + ": " + numberText(level.a, kDigits) +
-           " against " + numberText(level.b, kDigits) + "): noise alone does so with a probability of " +
+    return where + " differs (" + channelText(level.channel, channels) + ": " +
+           againstText(level.a, level.b) + "): noise alone does so with a probability of " +
            numberText(level.pValue, 2) + ".";
   }
   case Outcome::CannotTell:
@@ -72,6 +80,41 @@ std::string levelText(const LevelResult& level, unsigned channels) {
     break;
   }
   return "Not tested.";
+}
+
+const LevelResult* decidingLevel(const StatisticsResult& statistics) {
+  const LevelResult* found = nullptr;
+  for (const LevelResult& level : statistics.levels)
+    if (!found || worse(found->outcome, level.outcome) == level.outcome) found = &level;
+  return found;
+}
+
+std::string reasonText(const CaseResult& result, const std::string& ended) {
+  std::string text;
+  const auto add = [&](const std::string& sentence) { text += (text.empty() ? "" : " ") + sentence; };
+  bool limits = false;
+  for (const MetricResult& metric : result.metrics) {
+    limits = limits || metric.limit;
+    if (!metric.limit || metric.outcome == Outcome::Same || metric.outcome != result.outcome) continue;
+    const std::string name(metricRow(metric.metric).name);
+    add(name + " is " + metricValueText(metric) + ", the limit " + metricLimitText(metric) +
+        (metric.outcome == Outcome::CannotTell ? ": too near for its noise." : "."));
+  }
+  const LevelResult* level = result.statistics ? decidingLevel(*result.statistics) : nullptr;
+  if (level && level->outcome == result.outcome) {
+    if (result.statistics->identical && result.outcome == Outcome::Same)
+      add("No value differs in any of " + std::to_string(result.statistics->seeds) + " seeds.");
+    else
+      add(levelText(*level, result.a.mean.channels));
+  }
+  if (result.outcome == Outcome::CannotTell)
+    add(ended.empty() ? "The budget of seeds ended; give more, or ask for less."
+                      : "The budget ended: " + ended + ".");
+  if (text.empty())
+    add(limits                            ? "All limits are kept."
+        : result.outcome == Outcome::Same ? "No value differs."
+                                          : "Values differ.");
+  return text;
 }
 
 std::string countsText(const SuiteResult& result) {

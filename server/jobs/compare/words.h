@@ -1,4 +1,4 @@
-// What the reports for people say in words; one place, so that all of them say the same.
+// What results and reports say to people in words; one place, so that all of them say the same.
 #pragma once
 
 #include "server/jobs/compare/result.h"
@@ -24,6 +24,14 @@ std::string percentText(double share);
 
 /// What a level found, and what would have been found, in one or two sentences that end with a full stop.
 std::string levelText(const LevelResult& level, unsigned channels);
+
+/// The level that decided: the worst, of equal ones the coarsest, which sees the smallest differences.
+/// nullptr: there is none.
+const LevelResult* decidingLevel(const StatisticsResult& statistics);
+
+/// What decided a case, for its `reason`. `ended`: why the budget ended before its seeds did; empty: it did
+/// not.
+std::string reasonText(const CaseResult& result, const std::string& ended);
 
 /// "1 same, 2 differ, 1 cannot be told, 3 errors": kinds that did not happen are left out.
 std::string countsText(const SuiteResult& result);
