@@ -1,6 +1,6 @@
 // What a terminal shows of comparisons, and the words that all reports share.
-#include "server/jobs/report/reports.h"
 #include "server/jobs/compare/words.h"
+#include "server/jobs/report/reports.h"
 
 #include "tests/jobs/report_samples.h"
 

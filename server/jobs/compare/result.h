@@ -59,7 +59,7 @@ struct StatisticsResult {
   std::string method; ///< a sentence: how sides were paired, what was tested
   double significance = 0;
   unsigned seeds = 0, mostSeeds = 0; ///< of each side: rendered, and what the budget allows
-  bool identical = false;            ///< no value differed in any seed
+  bool identical = false;            ///< no value differed, in any seed or in the means
   std::vector<LevelResult> levels;
   Outcome outcome() const; ///< of all levels together
 };

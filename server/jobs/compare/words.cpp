@@ -103,7 +103,10 @@ std::string reasonText(const CaseResult& result, const std::string& ended) {
   const LevelResult* level = result.statistics ? decidingLevel(*result.statistics) : nullptr;
   if (level && level->outcome == result.outcome) {
     if (result.statistics->identical && result.outcome == Outcome::Same)
-      add("No value differs in any of " + std::to_string(result.statistics->seeds) + " seeds.");
+      add(result.a.isRender && result.b.isRender
+              ? "No value differs in any of " + std::to_string(result.statistics->seeds) + " seeds."
+              : "The mean of " + std::to_string(result.statistics->seeds) +
+                    " seeds is the reference, bit by bit.");
     else
       add(levelText(*level, result.a.mean.channels));
   }

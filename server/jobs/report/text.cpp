@@ -82,7 +82,7 @@ std::string caseText(const CaseResult& one, bool isSuite) {
                            numberText(one.largest->a, 4) + " against " + numberText(one.largest->b, 4) + ")");
   if (one.statistics) {
     if (one.statistics->identical)
-      text += row("statistics", "no value differs in any seed");
+      text += row("statistics", "no value differs");
     else if (const LevelResult* level = decidingLevel(*one.statistics))
       text += row("statistics", levelText(*level, one.a.mean.channels));
   }
