@@ -70,7 +70,7 @@ std::string levelText(const LevelResult& level, unsigned channels) {
       where = (level.block == 1 ? "The pixel at " : "The block at ") + std::to_string(level.worst.x) + ", " +
               std::to_string(level.worst.y);
     return where + " differs (" + channelText(level.channel, channels) + ": " +
-           againstText(level.a, level.b) + "): noise alone does so with a probability of " +
+           againstText(level.a, level.b) + "): noise alone does so with a probability of at most " +
            numberText(level.pValue, 2) + ".";
   }
   case Outcome::CannotTell:
