@@ -9,7 +9,7 @@ import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:f
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 
-const here = import.meta.dirname ?? new URL('.', import.meta.url).pathname;
+const here = new URL('.', import.meta.url).pathname;
 const data = resolve(here, '../../data');
 const options = process.argv.slice(2);
 const runsAt = options.indexOf('--runs');

@@ -3,7 +3,10 @@
 
 #include "tests/support/temporary_folder.h"
 
+#include <fstream>
 #include <gmock/gmock.h>
+#include <set>
+#include <sstream>
 
 namespace chamfer {
 namespace {
@@ -103,6 +106,33 @@ TEST(Suite, RefusesWithTheKeysPlace) {
   EXPECT_THAT(thrownBy([] { suiteOf(""); }), HasSubstr("has no case"));
   EXPECT_THAT(thrownBy([] { parseSuite(R"({"schema": "chamfer.cases/2", "cases": []})", "f"); }),
               HasSubstr("chamfer.cases/1"));
+}
+
+std::string document() {
+  std::ifstream stream(CHAMFER_SOURCE_DIR "/data/COMPARISONS.md");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+TEST(Suite, IsAsItsDocumentSays) {
+  const std::string text = document();
+  const std::size_t begin = text.find("```json\n"), end = text.find("\n```", begin);
+  ASSERT_NE(begin, std::string::npos);
+  EXPECT_EQ(parseSuite(text.substr(begin + 8, end - begin - 8), "example").size(), 3u);
+
+  std::set<std::string> told;
+  const std::size_t table = text.find("| key of a case |");
+  std::istringstream rows(text.substr(table, text.find("\n\n", table) - table));
+  for (std::string row; std::getline(rows, row);)
+    if (row.starts_with("| `")) told.insert(row.substr(3, row.find('`', 3) - 3));
+  const std::string refusal = thrownBy([] { suiteOf(R"({"name": "n", "colour": 1})"); });
+  const std::string prefix = "known here: ";
+  std::istringstream list(refusal.substr(refusal.find(prefix) + prefix.size()));
+  std::set<std::string> known;
+  for (std::string key; std::getline(list >> std::ws, key, ',');)
+    known.insert(key);
+  EXPECT_EQ(told, known);
 }
 
 TEST(Suite, RefusesDigestsWhereTheySayNothing) {

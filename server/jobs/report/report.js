@@ -112,7 +112,7 @@ function statisticsOf({ statistics }) {
   ]);
   return make('section', {},
     make('h3', {}, 'Statistics'),
-    make('p', { class: 'quiet' }, `${method} Significance ${numberText(significance)}; ${seeds} of at most ${mostSeeds} seeds.`),
+    make('p', { class: 'quiet' }, `${method[0].toUpperCase()}${method.slice(1)}. Significance ${numberText(significance)}; ${seeds} of at most ${mostSeeds} seeds.`),
     words,
     levels.length === 0 ? null : table('Statistics by level',
       ['level', 'verdict', 'tests', 'p', 'worst place', 'A there', 'B there', 'seen from', 'true ones below', '“same” asks'], rows));
