@@ -106,7 +106,7 @@ TEST(ReportWords, LevelsSayWhatWouldHaveBeenSeen) {
   level.a = 0.5, level.b = 0.25, level.pValue = 1e-9;
   EXPECT_EQ(levelText(level, 1),
             "The pixel at 12, 34 differs (grey: 0.5 against 0.25): noise alone does so with a "
-            "probability of 1e-09.");
+            "probability of at most 1e-09.");
   level.block = 0;
   EXPECT_THAT(levelText(level, 3), testing::StartsWith("The whole picture's mean differs (R: "));
 }
