@@ -22,7 +22,8 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", options.output, "Where to write: a folder, or a file for a single mesh");
   app.add_option(
       "--mesh", options.explicitMesh,
-      "Also write the rounded solids as an explicit mesh (.obj, with vertex normals), for other engines");
+      "Also write the rounded solids as an explicit mesh for other engines: .obj, with vertex normals, and\n"
+      "texture coordinates where MESH has them");
   app.add_option("--segments", options.segments, "Segments of the explicit mesh across each edge (1 to 256)")
       ->capture_default_str()
       ->check(CLI::Range(1u, 256u));

@@ -69,12 +69,22 @@ export const fetchInfo = (signal) => getJson('v1/info', signal);
 /** All scenes: [{name, id, triangles, rounded_edges, radius: {current, max}, state, error, ...}]. */
 export const fetchScenes = (signal) => getJson('v1/scenes', signal);
 
-/** One scene as it is now, its camera with the page's names: {..., camera: {eye, target, up, vfovDegrees, ...}}. */
-export async function fetchScene(name, signal) {
-  const scene = await getJson(`v1/scenes/${encodeURIComponent(name)}`, signal);
+/** One scene, by name as it is now or by id, its camera with the page's names: {..., camera: {eye, target, up, vfovDegrees, ...}}. */
+export async function fetchScene(nameOrId, signal) {
+  const scene = await getJson(`v1/scenes/${encodeURIComponent(nameOrId)}`, signal);
   const { eye, target, up, vfov_degrees, aperture_diameter, focus_distance } = scene.camera;
   const lens = { apertureDiameter: aperture_diameter, focusDistance: focus_distance };
   return { ...scene, camera: { eye, target, up, vfovDegrees: vfov_degrees, ...lens } };
+}
+
+/**
+ * A scene as fetchScene() gives it, of a bare mesh with its `up` axis (y, z, or null: the server's choice) turned up;
+ * and `listedId`, the id of the scene that goes by the name.
+ */
+export async function fetchUpright(name, up, signal) {
+  const listed = await fetchScene(name, signal);
+  const other = up && listed.up_axis && listed.up_axis.current !== up;
+  return { ...(other ? await fetchScene(listed.up_axis.ids[up], signal) : listed), listedId: listed.id };
 }
 
 /**

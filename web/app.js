@@ -1,6 +1,6 @@
 // The page: joins the address, the panel, the input on the picture, and the renderer. One state object says what is
 // shown; everything else follows from it.
-import { fetchHit, fetchScene, fetchScenes, ServerError } from './api.js';
+import { fetchHit, fetchScenes, fetchUpright, ServerError } from './api.js';
 import { distance, fitAspect, isInside, keepInside, orbit, pan, pixelRay, zoom } from './camera.js';
 import { listen } from './input.js';
 import { rememberKey } from './key.js';
@@ -22,7 +22,7 @@ const ZOOM_RANGE = [0.02, 20]; // of the distance with which a scene starts
 
 const canvas = document.getElementById('picture');
 const renderer = new Renderer(canvas, { total: SAMPLES, onStatus: showStatus });
-const panel = new Panel({ scene: pickScene, rounding: setRounding, radius: moveRadius, resetRadius, resetCamera });
+const panel = new Panel({ scene: pickScene, up: setUp, rounding: setRounding, radius: moveRadius, resetRadius, resetCamera });
 
 const state = {
   scenes: [],
@@ -30,6 +30,7 @@ const state = {
   camera: null,
   radius: null, // null: the scene's own
   rounding: 'analytic',
+  up: null, // axis of bare meshes that points up; null: the server's choice
   scale: null, // RadiusScale, null where nothing is rounded
   ownHash: '', // the address as this page wrote it
   inspection: new AbortController(),
@@ -75,7 +76,7 @@ function takeScenes(scenes) {
   const now = scenes.find((scene) => scene.name === shown);
   if (!now && wasListed) panel.showProblem(`“${shown}” is no longer on the server; the picture is the last of it.`);
   // A scene whose files have changed has another id.
-  if (!now || !isReady(now) || now.id === state.scene.id) return;
+  if (!now || !isReady(now) || now.id === state.scene.listedId) return;
   showScene(now, () => {
     const camera = state.camera === state.scene.camera ? null : state.camera;
     return { camera, radius: state.radius };
@@ -91,6 +92,7 @@ async function followAddress() {
   if (listed?.state === 'loading') return; // refresh() comes back to it
   const fault = wanted.scene === null ? '' : faultOf(listed, wanted.scene);
   const chosen = fault || !listed ? firstScene() : listed;
+  state.up = chosen === listed ? wanted.up : null;
   const before = state.rounding; // whoever chooses another meanwhile gets that
   const view = () => ({
     ...(chosen === listed ? wanted : {}),
@@ -112,7 +114,7 @@ function firstScene() {
 }
 
 /**
- * Shows a scene once it has come, unless another was picked meanwhile; true: it is shown. `view()` is asked then, so that
+ * Shows a scene, a bare mesh with the axis state.up up, once it has come, unless another was picked meanwhile; true: it is shown. `view()` is asked then, so that
  * it knows what was done in the meantime: {camera, radius}, null for the scene's own, and rounding.
  */
 async function showScene(listed, view) {
@@ -121,7 +123,7 @@ async function showScene(listed, view) {
   state.picked = listed.name;
   let scene;
   try {
-    scene = await insist(() => fetchScene(listed.name, signal), signal);
+    scene = await insist(() => fetchUpright(listed.name, state.up, signal), signal);
   } catch (error) {
     if (signal.aborted) return false;
     state.picked = null;
@@ -146,6 +148,15 @@ async function showScene(listed, view) {
 function pickScene(name) {
   const listed = state.scenes.find((scene) => scene.name === name);
   if (listed) showScene(listed, () => ({}));
+}
+
+/** Turns a bare mesh over; where it stands otherwise, it is looked at anew. */
+function setUp(axis) {
+  const radius = state.picked ? null : state.radius;
+  const listed = state.scenes.find((scene) => scene.name === (state.picked ?? state.scene.name));
+  if (!listed) return panel.showScene(state.scene);
+  state.up = axis;
+  showScene(listed, () => ({ radius }));
 }
 
 // ---- the view
@@ -208,7 +219,9 @@ function writeAddress() {
   clearTimeout(addressTimer);
   addressTimer = setTimeout(() => {
     const camera = state.camera === state.scene.camera ? null : state.camera;
-    state.ownHash = encodeView({ scene: state.scene.name, camera, radius: state.radius, rounding: state.rounding });
+    const { scene, radius, rounding } = state;
+    const up = scene.id === scene.listedId ? null : scene.up_axis.current;
+    state.ownHash = encodeView({ scene: scene.name, camera, radius, rounding, up });
     history.replaceState(null, '', state.ownHash);
   }, 150);
 }

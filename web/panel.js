@@ -5,14 +5,16 @@ import { hitRows, lengthText, sceneFacts, statusText } from './words.js';
 const byId = (id) => document.getElementById(id);
 
 export class Panel {
-  /** `handlers`: scene(name), rounding(word), radius(position, {final}), resetRadius(), resetCamera(). */
+  /** `handlers`: scene(name), up(axis), rounding(word), radius(position, {final}), resetRadius(), resetCamera(). */
   constructor(handlers) {
     this.failure = '';
     this.notice = '';
     this.list = '';
     this.roundings = [...document.querySelectorAll('input[name="rounding"]')];
+    this.upAxes = [...document.querySelectorAll('input[name="up"]')];
     byId('scene').addEventListener('change', (event) => handlers.scene(event.target.value));
     for (const radio of this.roundings) radio.addEventListener('change', () => handlers.rounding(radio.value));
+    for (const radio of this.upAxes) radio.addEventListener('change', () => handlers.up(radio.value));
     const radius = byId('radius');
     radius.addEventListener('input', () => handlers.radius(Number(radius.value), { final: false }));
     radius.addEventListener('change', () => handlers.radius(Number(radius.value), { final: true }));
@@ -48,6 +50,8 @@ export class Panel {
     byId('facts').textContent = sceneFacts(scene);
     byId('picture').setAttribute('aria-label', `Rendered scene ${scene.name}`);
     byId('reset-camera').disabled = false;
+    byId('up-axis').hidden = !scene.up_axis; // a scene file says it of each of its meshes
+    for (const radio of this.upAxes) radio.checked = radio.value === scene.up_axis?.current;
   }
 
   showRounding(word, available) {

@@ -1,6 +1,7 @@
-// The part of the address after '#': scene, camera, radius and rounding, so that a view can be shared as a link.
+// The part of the address after '#': scene, camera, radius, rounding and the axis that is up, so that a view can be shared as a link.
 
 export const ROUNDINGS = ['analytic', 'none'];
+const UP_AXES = ['y', 'z'];
 
 const numberText = (x) => String(Number(x.toPrecision(6)));
 
@@ -33,12 +34,13 @@ export function parseCamera(text) {
   return apertureDiameter >= 0 && focusDistance >= 0 ? { ...camera, apertureDiameter, focusDistance } : null;
 }
 
-/** Text for the address. `camera` and `radius` are left out where they are null: the scene's own. */
-export function encodeView({ scene, camera, radius, rounding }) {
+/** Text for the address. `camera`, `radius` and `up` are left out where they are null: the scene's own. */
+export function encodeView({ scene, camera, radius, rounding, up }) {
   const parts = [`scene=${encodeURIComponent(scene)}`];
   if (camera) parts.push(`camera=${cameraText(camera)}`);
   if (radius !== null) parts.push(`radius=${numberText(radius)}`);
   if (rounding !== 'analytic') parts.push(`rounding=${rounding}`);
+  if (up !== null) parts.push(`up=${up}`);
   return `#${parts.join('&')}`;
 }
 
@@ -47,10 +49,12 @@ export function decodeView(hash) {
   const parameters = new URLSearchParams(hash.replace(/^#/, ''));
   const radius = Number(parameters.get('radius'));
   const rounding = parameters.get('rounding');
+  const up = parameters.get('up');
   return {
     scene: parameters.get('scene'),
     camera: parseCamera(parameters.get('camera') ?? ''),
     radius: Number.isFinite(radius) && radius > 0 ? radius : null,
     rounding: ROUNDINGS.includes(rounding) ? rounding : 'analytic',
+    up: UP_AXES.includes(up) ? up : null,
   };
 }

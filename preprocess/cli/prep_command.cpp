@@ -5,6 +5,7 @@
 #include "common/progress_line.h"
 #include "preprocess/cli/output_paths.h"
 #include "preprocess/rounding/explicit_mesh.h"
+#include "preprocess/rounding/explicit_mesh_uv.h"
 
 #include <chrono>
 #include <cstdio>
@@ -35,14 +36,14 @@ Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path&
   Outcome outcome;
   const auto start = Clock::now();
   progress("reading", 0);
-  const TriangleMesh mesh = readMesh(path);
+  const auto read = std::make_shared<const TriangleMesh>(readMesh(path));
   outcome.readSeconds = seconds(start);
-  warnings = mesh.warnings;
+  warnings = read->warnings;
   PreprocessOptions preprocessOptions = options.preprocess;
   preprocessOptions.progress = [&](const char* stage, double share) { progress(stage, share); };
-  const auto read = Clock::now();
-  const PreprocessResult result = preprocess(mesh, preprocessOptions);
-  outcome.seconds = seconds(read);
+  const auto afterReading = Clock::now();
+  const PreprocessResult result = preprocess(*read, preprocessOptions);
+  outcome.seconds = seconds(afterReading);
   outcome.report = result.report;
   // Both files or none: the explicit mesh takes its name once the sidecar is written.
   std::optional<AtomicFile> staged;
@@ -50,8 +51,13 @@ Outcome roundOne(const PrepCommandOptions& options, const std::filesystem::path&
     if (std::error_code error; std::filesystem::is_directory(options.explicitMesh, error))
       throw Error(ErrorKind::CannotWrite,
                   "cannot write " + options.explicitMesh.string() + ": it is a folder");
-    const ExplicitMesh rounded =
-        explicitMesh(result.rounding->view(), result.mesh ? *result.mesh : mesh, options.segments);
+    const auto mesh = result.mesh ? result.mesh : read;
+    ExplicitMesh rounded = explicitMesh(result.rounding->view(), *mesh, options.segments);
+    if (const CutTextures cuts = addTextureCoordinates(rounded, mesh, result.rounding); cuts.triangles > 0)
+      outcome.report.warnings.push_back(
+          placeOfTriangle(*mesh, cuts.first) + ": its texture coordinates end within a flat facet; " +
+          std::to_string(cuts.triangles) +
+          " triangles of the explicit mesh carry them on past there: lay the facet out in one piece");
     outcome.explicitTriangles = rounded.triangles.size();
     if (!options.dryRun) writeExplicitMesh(staged.emplace(options.explicitMesh), rounded);
   }

@@ -56,6 +56,13 @@ private:
     out_.meshTriangle.push_back(triangleOfFacet_[facet]);
     out_.features.push_back(feature);
   }
+  /// Of `facets` the one that a triangle is turned to most.
+  std::uint32_t turnedTo(const std::array<std::uint32_t, 3>& t, std::span<const std::uint32_t> facets) const {
+    const Vector3 normal = out_.normals[t[0]] + out_.normals[t[1]] + out_.normals[t[2]];
+    return *std::max_element(facets.begin(), facets.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return dot(core_.normal(a), normal) < dot(core_.normal(b), normal);
+    });
+  }
   /// The corner of half-edge h's own facet at the end of h.
   std::uint32_t cornerAtEnd(std::uint32_t h) const { return corner_[core_.next(h)]; }
 
@@ -111,8 +118,8 @@ private:
       for (std::size_t side = 1; side < 3; ++side)
         if (cosine(side) > cosine(base)) base = side;
       const std::uint32_t before = around[(base + 2) % 3], after = around[(base + 1) % 3];
-      grid(centre, reversed(arc_[after]), arc_[before], reversed(arc_[around[base]]),
-           core_.halfEdge(first).facet);
+      const std::array facets{facetOf(around[0]), facetOf(around[1]), facetOf(around[2])};
+      grid(centre, reversed(arc_[after]), arc_[before], reversed(arc_[around[base]]), facets);
       return;
     }
     // The middle of the outline, not of the corners: those may crowd at one end of a long outline.
@@ -133,9 +140,11 @@ private:
       spoke.push_back(corner_[g]);
       spokes.push_back(std::move(spoke));
     }
-    for (std::size_t i = 0; i < around.size(); ++i)
-      grid(centre, spokes[(i + 1) % around.size()], spokes[i], reversed(arc_[around[i]]),
-           core_.halfEdge(around[i]).facet);
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      const std::size_t next = (i + 1) % around.size();
+      const std::array facets{facetOf(around[i]), facetOf(around[next])};
+      grid(centre, spokes[next], spokes[i], reversed(arc_[around[i]]), facets);
+    }
   }
 
   static Arc reversed(Arc arc) {
@@ -143,9 +152,15 @@ private:
     return arc;
   }
 
+  std::uint32_t facetOf(std::uint32_t halfEdge) const { return core_.halfEdge(halfEdge).facet; }
+
   /// Fills a spherical triangle. `left` and `right` run from the same apex, `base` from left's end to right's
-  /// end.
-  void grid(std::uint32_t centre, const Arc& left, const Arc& right, const Arc& base, std::uint32_t facet) {
+  /// end. `facets`: those that meet there.
+  void grid(std::uint32_t centre, const Arc& left, const Arc& right, const Arc& base,
+            std::span<const std::uint32_t> facets) {
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      triangle(a, b, c, turnedTo({a, b, c}, facets), Feature::Sphere);
+    };
     Arc above{left[0]};
     for (unsigned i = 1; i <= segments_; ++i) {
       Arc row{left[i]};
@@ -155,8 +170,8 @@ private:
                                                             double(j) / double(i))));
       row.push_back(right[i]);
       for (unsigned j = 0; j < i; ++j) {
-        triangle(above[j], row[j], row[j + 1], facet, Feature::Sphere);
-        if (j + 1 < i) triangle(above[j], row[j + 1], above[j + 1], facet, Feature::Sphere);
+        add(above[j], row[j], row[j + 1]);
+        if (j + 1 < i) add(above[j], row[j + 1], above[j + 1]);
       }
       above = std::move(row);
     }

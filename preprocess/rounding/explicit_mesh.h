@@ -16,9 +16,12 @@ struct ExplicitMesh {
   std::vector<Point3> positions; ///< mesh coordinates
   std::vector<Vector3> normals;  ///< unit, one per position: the rounded surface's own normal there
   std::vector<std::array<std::uint32_t, 3>> triangles; ///< counter-clockwise seen from outside
-  std::vector<std::uint32_t>
-      meshTriangle;              ///< for each triangle one of the original mesh whose material it takes
-  std::vector<Feature> features; ///< of each triangle; Flat for those that stay sharp
+  /// For each triangle one of the original mesh, in the facet that it is turned to most: it takes its
+  /// material and its texture coordinates from there.
+  std::vector<std::uint32_t> meshTriangle;
+  std::vector<Feature> features;         ///< of each triangle; Flat for those that stay sharp
+  std::vector<std::array<float, 2>> uvs; ///< texture coordinates (explicit_mesh_uv.h), or empty
+  std::vector<std::array<std::uint32_t, 3>> uvTriangles; ///< into uvs, kNone where there are none; or empty
 };
 
 /// Each rounded edge becomes `segments` (>= 1) strips, each sphere a grid with as many segments along its
@@ -42,8 +45,9 @@ private:
   std::uint64_t edges_ = 0, fixed_ = 0;
 };
 
-/// Writes an OBJ with vertex normals into a file that is then to be committed. Throws Error(CannotWrite),
-/// Error(Internal) when a solid's surface is not closed and manifold.
-void writeExplicitMesh(const AtomicFile& file, const ExplicitMesh& mesh);
+/// Writes an OBJ with vertex normals, and texture coordinates where there are any, into a file that is then
+/// to be committed. Throws Error(CannotWrite), Error(Internal) when a solid's surface is not closed and
+/// manifold.
+void writeExplicitMesh(AtomicFile& file, const ExplicitMesh& mesh);
 
 } // namespace chamfer

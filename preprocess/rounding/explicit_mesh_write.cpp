@@ -1,54 +1,87 @@
 #include "common/error.h"
 #include "preprocess/rounding/explicit_mesh.h"
 
-#include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-#include <OpenMesh/Core/System/omstream.hh>
-#include <cstdlib>
+#include <charconv>
 #include <string>
 
 namespace chamfer {
 namespace {
 
-struct DoubleTraits : OpenMesh::DefaultTraits {
-  using Point = OpenMesh::Vec3d;
-  using Normal = OpenMesh::Vec3d;
-};
-using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
-
-/// A half-edge mesh of it; refuses what is not manifold, so building one is the check.
-HalfEdgeMesh halfEdgeMesh(const ExplicitMesh& mesh) {
-  HalfEdgeMesh m;
-  m.request_vertex_normals();
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const Point3& p = mesh.positions[i];
-    const Vector3& n = mesh.normals[i];
-    const auto v = m.add_vertex({p.x, p.y, p.z});
-    m.set_normal(v, {n.x, n.y, n.z});
-  }
-  for (const auto& t : mesh.triangles) {
-    const auto face = m.add_face(m.vertex_handle(t[0]), m.vertex_handle(t[1]), m.vertex_handle(t[2]));
-    if (!face.is_valid()) throw Error(ErrorKind::Internal, "the explicit mesh is not manifold");
-  }
-  return m;
+/// A half-edge mesh refuses what is not manifold, so building one is the check.
+void requireManifold(const ExplicitMesh& mesh) {
+  OpenMesh::TriMesh_ArrayKernelT<> m;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    m.add_vertex({0, 0, 0});
+  for (const auto& t : mesh.triangles)
+    if (!m.add_face(m.vertex_handle(t[0]), m.vertex_handle(t[1]), m.vertex_handle(t[2])).is_valid())
+      throw Error(ErrorKind::Internal, "the explicit mesh is not manifold");
 }
+
+/// Lines of an OBJ, handed on in blocks.
+class ObjLines {
+public:
+  explicit ObjLines(AtomicFile& file) : file_(file) {}
+
+  void numbers(const char* word, std::initializer_list<double> values) {
+    text_ += word;
+    for (const double value : values)
+      append(value);
+    end();
+  }
+  void textureCoordinates(const std::array<float, 2>& uv) {
+    text_ += "vt";
+    append(uv[0]);
+    append(uv[1]);
+    end();
+  }
+  /// `uv`: kNone at a corner without.
+  void face(const std::array<std::uint32_t, 3>& vertices, const std::array<std::uint32_t, 3>& uv) {
+    text_ += 'f';
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string vertex = std::to_string(std::uint64_t(vertices[k]) + 1);
+      text_ += ' ' + vertex + '/';
+      if (uv[k] != kNone) text_ += std::to_string(std::uint64_t(uv[k]) + 1);
+      text_ += '/' + vertex;
+    }
+    end();
+  }
+  void flush() {
+    file_.write(std::as_bytes(std::span(text_)));
+    text_.clear();
+  }
+
+private:
+  template <class Number>
+  void append(Number value) { // the shortest text that gives the same number
+    char digits[32];
+    text_ += ' ';
+    text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+  }
+  void end() {
+    text_ += '\n';
+    if (text_.size() > (1u << 20)) flush();
+  }
+
+  AtomicFile& file_;
+  std::string text_;
+};
 
 } // namespace
 
-void writeExplicitMesh(const AtomicFile& file, const ExplicitMesh& mesh) {
-  const HalfEdgeMesh m = halfEdgeMesh(mesh);
-  OpenMesh::IO::Options options = OpenMesh::IO::Options::VertexNormal;
-  bool written = false;
-  ::omlog().disable(); // the library reports to standard error, success included
-  ::omerr().disable();
-  try {
-    written = OpenMesh::IO::write_mesh(m, file.temporary().string(), options, 17);
-  } catch (const std::exception&) {
-    written = false; // the library's words would not help
-  }
-  if (!written)
-    throw Error(ErrorKind::CannotWrite, "cannot write the explicit mesh " + file.target().string() +
-                                            ": check that its name ends in .obj and that the disk has room");
+void writeExplicitMesh(AtomicFile& file, const ExplicitMesh& mesh) {
+  requireManifold(mesh);
+  ObjLines lines(file);
+  for (const Point3& p : mesh.positions)
+    lines.numbers("v", {p.x, p.y, p.z});
+  for (const auto& uv : mesh.uvs)
+    lines.textureCoordinates(uv);
+  for (const Vector3& n : mesh.normals)
+    lines.numbers("vn", {n.x, n.y, n.z});
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    lines.face(mesh.triangles[t], mesh.uvTriangles.empty() ? std::array<std::uint32_t, 3>{kNone, kNone, kNone}
+                                                           : mesh.uvTriangles[t]);
+  lines.flush();
 }
 
 } // namespace chamfer

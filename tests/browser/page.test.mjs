@@ -370,6 +370,58 @@ test('scenes come and go without reloading the page', async () => {
   assert.ok(!(await options()).includes('new/late'));
 });
 
+/** OBJ of a post: a wide foot and a thin shaft, their corners (right, back, up) as `place` puts them into x, y, z. */
+function postObj(place) {
+  const box = (first, [width, depth, low, high]) => {
+    const corners = Array.from({ length: 8 }, (_, i) =>
+      place((i & 1 ? 1 : -1) * width, (i & 2 ? 1 : -1) * depth, i & 4 ? high : low).join(' '));
+    const faces = ['1 3 4 2', '5 6 8 7', '1 2 6 5', '3 7 8 4', '1 5 7 3', '2 4 8 6'];
+    const numbered = faces.map((face) => face.replace(/\d/g, (v) => Number(v) + first));
+    return [...corners.map((corner) => `v ${corner}`), ...numbered.map((face) => `f ${face}`)];
+  };
+  return `${[...box(0, [0.6, 0.4, 0, 0.2]), ...box(8, [0.1, 0.1, 0.2, 3])].join('\n')}\n`;
+}
+
+test('a mesh whose y axis points up is turned upright, and the link says so', async () => {
+  mkdirSync(join(root.root, 'posts'));
+  const meshes = [['y', (right, back, up) => [right, up, -back]], ['z', (right, back, up) => [right, back, up]]];
+  const files = meshes.map(([name, place]) => {
+    const file = join(root.root, `posts/${name}.obj`);
+    writeFileSync(file, postObj(place));
+    return file;
+  });
+  roundMesh(paths.chamferprep, files, '0.03');
+  try {
+    await open('');
+    await page.waitForFunction(() => {
+      const listed = [...document.querySelectorAll('#scene option:enabled')].map(({ value }) => value);
+      return listed.includes('posts/y') && listed.includes('posts/z');
+    });
+    assert.ok(await page.locator('#up-axis').isHidden(), 'a scene file says itself what is up');
+    const upright = await pictureAfter(() => page.locator('#scene').selectOption('posts/z'));
+    assert.ok(await page.locator('input[name="up"][value="z"]').isChecked());
+    const lying = await pictureAfter(() => page.locator('#scene').selectOption('posts/y'));
+    assert.ok(changedShare(upright, lying) > 0.05);
+
+    const turned = await pictureAfter(() => page.locator('input[name="up"][value="y"]').check({ force: true }));
+    assert.ok(changedShare(upright, turned) < 0.005, `${changedShare(upright, turned)} is not as it is upright`);
+    assert.match(await page.title(), /^posts\/y/);
+    await addressAfter('up=y');
+    await page.waitForTimeout(6000); // the list of scenes is asked for again, and changes nothing
+    assert.ok(await page.locator('input[name="up"][value="y"]').isChecked());
+
+    const link = await page.evaluate(() => location.hash);
+    await page.goto('about:blank');
+    await open(link);
+    assert.ok(changedShare(upright, await blockMeans(page)) < 0.005);
+    const again = await pictureAfter(() => page.locator('input[name="up"][value="z"]').check({ force: true }));
+    assert.ok(changedShare(lying, again) < 0.005);
+    await page.waitForFunction(() => !location.hash.includes('up='));
+  } finally {
+    rmSync(join(root.root, 'posts'), { recursive: true });
+  }
+});
+
 test('a scene whose file has changed is taken up, with the view', async () => {
   await open('#scene=solids/octahedron&camera=0,-4,1,0,0,0,0,0,1,30');
   const file = join(root.root, 'solids/octahedron.obj.chamfer');

@@ -279,6 +279,13 @@ TEST(CatalogueUpAxis, TurnsBareMeshesUpright) {
   ASSERT_TRUE(post && post->scene);
   EXPECT_EQ(post->scene->bounds.lower, Point3(0, -2, 0));
   EXPECT_EQ(post->scene->bounds.upper, Point3(1, 0, 5));
+  // With its other axis up it goes by its id, the same on every node, and is not listed.
+  const auto other = catalogue.find(post->scene->otherUpId.hex());
+  ASSERT_TRUE(other && other->scene);
+  EXPECT_EQ(other->name, "post");
+  EXPECT_EQ(other->scene->bounds.upper, Point3(1, 5, 2));
+  EXPECT_EQ(other->scene->id, loadScene(folder.path() / "post.obj", folder.path(), "post")->id);
+  EXPECT_EQ(catalogue.list().size(), 1u);
 }
 
 } // namespace

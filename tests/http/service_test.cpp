@@ -94,6 +94,23 @@ TEST_F(Routes, SceneGoesByNameAndId) {
   EXPECT_GT(scene["camera"]["vfov_degrees"].get<double>(), 0);
 }
 
+TEST_F(Routes, ABareMeshIsThereWithEitherAxisUp) {
+  folder_.addCube("a.obj");
+  folder_.write("s.scene.json", R"({"meshes":[{"name":"m","file":"cube.obj"}],"instances":[{"mesh":"m"}]})");
+  folder_.addCube("cube.obj");
+  serve();
+  EXPECT_TRUE(json(get("/v1/scenes/s"))["up_axis"].is_null());
+  const auto own = json(get("/v1/scenes/a"));
+  EXPECT_EQ(own["up_axis"]["current"], "z");
+  EXPECT_EQ(own["up_axis"]["ids"]["z"], own["id"]);
+  const std::string id = own["up_axis"]["ids"]["y"];
+  const auto turned = json(get("/v1/scenes/" + id));
+  EXPECT_EQ(turned["id"], id);
+  EXPECT_EQ(turned["up_axis"]["current"], "y");
+  EXPECT_EQ(turned["up_axis"]["ids"], own["up_axis"]["ids"]);
+  EXPECT_EQ(get("/v1/scenes/" + id + "/tiles/8x8/0,0,8,8/0-1.f16").status, 200);
+}
+
 TEST_F(Routes, ScenesMayBeNamedLikeResources) {
   folder_.addCube("a.obj");
   folder_.addCube("a/rays.obj");

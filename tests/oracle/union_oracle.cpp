@@ -63,15 +63,17 @@ NearestShare UnionOracle::nearest(std::size_t part, const Vec3& worldPoint) cons
 Real UnionOracle::ambiguity(const Ray& ray) const {
   Real least = std::numeric_limits<Real>::infinity();
   std::vector<std::pair<Real, Real>> ends; // t and how much of its diagonal a unit of t is
-  for (const Part& part : parts_) {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
     const Ray local = toObject(part, ray);
     least = std::min(least, std::abs(part.solid->silhouetteMargin(local)) / part.solid->diagonal());
     const auto inside = part.solid->interval(local);
     if (!inside) continue;
     const Real share = local.direction.cast<Real>().norm() / part.solid->diagonal();
     const std::size_t others = ends.size();
+    // Across the surface: along a ray that grazes, the end next to its beginning may be far away.
+    least = std::min(least, std::abs(nearest(i, ray.at(ray.tnear)).offSurface));
     for (const Real t : {inside->in.t, inside->out.t}) {
-      least = std::min(least, std::abs(t - ray.tnear) * share);
       for (std::size_t k = 0; k < others; ++k) {
         const Real apart = std::abs(t - ends[k].first) * std::min(share, ends[k].second);
         if (apart > touch_) least = std::min(least, apart); // what coincides in one body leaves no doubt

@@ -41,7 +41,8 @@ public:
   std::optional<Hit> firstHit(const Ray& ray) const;
   NearestShare nearest(std::size_t part, const Vec3& worldPoint) const;
   /// How near the ray is to having another answer, as a share of the diagonal concerned: the least of the
-  /// silhouette margins, the distances of ends from tnear, and the distances between ends of different parts.
+  /// silhouette margins, the distances of the point at tnear from the surfaces, and the distances between
+  /// ends of different parts.
   Real ambiguity(const Ray& ray) const;
 
 private:

@@ -1,6 +1,8 @@
 // The judge must pass the right answers and fail each kind of wrong one.
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/convex_families.h"
+#include "tests/oracle/exact_hull.h"
+#include "tests/oracle/random.h"
 #include "tests/oracle/ray_samples.h"
 
 #include <Eigen/Geometry>
@@ -196,6 +198,43 @@ TEST(UnionOracle, StackedBlocksOpenTheirGroove) {
   hit = stack.firstHit({{0.495, 0.1, 0.495}, {-1, 0, 3}});
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->part, 1u);
+}
+
+TEST(UnionOracle, AStartIsAsAmbiguousAsItIsNearTheSurface) {
+  // Above the top of a cube, along it but for one part in a thousand: how far away the end along the ray is
+  // says nothing of it.
+  const auto block = std::make_shared<RoundedOracle>(cube(), 0.1);
+  const UnionOracle one(block);
+  for (const double height : {-1e-6, 1e-6, 1e-5}) {
+    SCOPED_TRACE(height);
+    const Ray ray{{0.1, 0, 0.5 + height}, {1, 0, 1e-3}};
+    EXPECT_NEAR(double(one.ambiguity(ray)), std::abs(height) / block->diagonal(), 1e-12);
+  }
+  EXPECT_GT(double(one.ambiguity({{0.1, 0, 0.3}, {0, 0, 1}})), 0.05) << "well inside, straight out";
+}
+
+TEST(ExactHull, DoesNotDependOnTheOrderOfThePoints) {
+  // Full of ties: a grid whose facets hold many points that are no corners, and a prism of equal sides.
+  std::vector<Eigen::Vector3d> grid, prism;
+  for (int i = 0; i < 64; ++i)
+    grid.emplace_back(i % 4, i / 4 % 4, i / 16);
+  for (int k = 0; k < 24; ++k)
+    prism.emplace_back(std::round(1e6 * std::cos(k * 0.2617993877991494)),
+                       std::round(1e6 * std::sin(k * 0.2617993877991494)), 0);
+  for (int k = 0; k < 24; ++k)
+    prism.emplace_back(prism[std::size_t(k)].x(), prism[std::size_t(k)].y(), 7e5);
+  Random random(5);
+  for (auto* points : {&grid, &prism}) {
+    const ConvexSolid first = exactHull("hull", *points, 1e-7);
+    EXPECT_EQ(first.faces.size(), points == &grid ? 6u : 26u);
+    for (int run = 0; run < 20; ++run) {
+      for (std::size_t i = points->size(); i > 1; --i)
+        std::swap((*points)[i - 1], (*points)[random.below(i)]);
+      const ConvexSolid again = exactHull("hull", *points, 1e-7);
+      ASSERT_EQ(again.vertices, first.vertices);
+      ASSERT_EQ(again.faces, first.faces);
+    }
+  }
 }
 
 TEST(UnionOracle, NonUniformScaleMapsTheRounding) {

@@ -150,6 +150,23 @@ TEST_F(Chamferprep, ClampsTheRadiusToAShareOfTheInradius) {
   EXPECT_FLOAT_EQ(readSidecar(mesh + ".chamfer")->view().solids[0].radius, 0.2f);
 }
 
+TEST_F(Chamferprep, WritesTheSameBytesWithAnyNumberOfThreads) {
+  const std::filesystem::path reports = CHAMFER_SOURCE_DIR "/../shared/data/reports/repeatable";
+  if (!std::filesystem::is_directory(reports)) GTEST_SKIP() << "the reports are not beside the project";
+  for (const char* name : {"part.obj", "tray.obj"}) {
+    const std::string mesh = write(name, contentOf(reports / name)).string();
+    std::vector<std::string> sidecars, meshes;
+    for (const char* threads : {"1", "2", "1", "7", "0"}) {
+      EXPECT_GT(report({mesh, "-r", "2%", "-j", threads, "--mesh", in("out.obj")}).at("solids"), 0);
+      sidecars.push_back(contentOf(mesh + ".chamfer"));
+      meshes.push_back(contentOf(in("out.obj")));
+      EXPECT_EQ(sidecars.back(), sidecars.front()) << name << " -j " << threads;
+      EXPECT_EQ(meshes.back(), meshes.front()) << name << " -j " << threads;
+    }
+    EXPECT_FALSE(meshes.front().empty());
+  }
+}
+
 TEST_F(Chamferprep, WritesAClosedExplicitMesh) {
   const std::string mesh = cube();
   const auto json = report({mesh, "-r", "0.1", "--mesh", in("out.obj"), "--segments", "4"});

@@ -21,6 +21,16 @@ void writeCorners(std::ostream& out, const Polygons& loop, std::uint32_t base) {
   out << '\n';
 }
 
+/// Vertices and faces as OFF and PLY have them.
+void writeTables(std::ostream& out, const PolygonSolid& solid) {
+  for (const auto& v : solid.vertices)
+    out << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+  for (const auto& loop : solid.faces) {
+    out << loop.size();
+    writeCorners(out, loop, 0);
+  }
+}
+
 } // namespace
 
 void PolygonSolid::insertEdgeVertices(double chance, oracle::Random& random) {
@@ -127,12 +137,7 @@ std::string PolygonSolid::obj() const {
 std::string PolygonSolid::off() const {
   std::ostringstream out = exact();
   out << "OFF\n" << vertices.size() << ' ' << faces.size() << " 0\n";
-  for (const auto& v : vertices)
-    out << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
-  for (const auto& loop : faces) {
-    out << loop.size();
-    writeCorners(out, loop, 0);
-  }
+  writeTables(out, *this);
   return out.str();
 }
 
@@ -141,12 +146,7 @@ std::string PolygonSolid::ply() const {
   out << "ply\nformat ascii 1.0\nelement vertex " << vertices.size()
       << "\nproperty double x\nproperty double y\nproperty double z\nelement face " << faces.size()
       << "\nproperty list int int vertex_indices\nend_header\n";
-  for (const auto& v : vertices)
-    out << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
-  for (const auto& loop : faces) {
-    out << loop.size();
-    writeCorners(out, loop, 0);
-  }
+  writeTables(out, *this);
   return out.str();
 }
 

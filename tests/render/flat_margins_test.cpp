@@ -24,7 +24,7 @@ Counted throwPoints(const oracle::ConvexSolid& solid, double radius, std::size_t
   options.radius = {radius, false};
   const auto rounding = preprocess(mesh, options).rounding;
   const RoundingView& view = rounding->view();
-  const auto flats = flatMargins(view, mesh, 1);
+  const auto flats = flatMargins(view, mesh);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<float> uniform(0, 1);
   Counted counted;
@@ -70,6 +70,64 @@ TEST(FlatMargins, NeverHoldInAZone) {
 TEST(FlatMargins, HoldForMostOfABoxesFlats) {
   const Counted c = throwPoints(oracle::box(2, 1, 0.5), 0.02, 4000);
   EXPECT_GT(double(c.held), 0.9 * double(c.onFlat)) << c.held << " of " << c.onFlat;
+}
+
+TEST(FlatMargins, HoldForASmallSolidOfALargeMeshWhereFloat32PutsIt) {
+  // A brick and a far one: float32 about the mesh's centre has the brick's vertices elsewhere.
+  std::vector<oracle::ConvexSolid> bricks{oracle::box(0.24, 0.115, 0.071), oracle::box(0.24, 0.115, 0.071)};
+  for (const double distance : {20.0, 60.0, 500.0}) {
+    bricks[1] =
+        oracle::transformed(bricks[0], {Eigen::Matrix3d::Identity(), {distance, 0.3 * distance, 0.7}});
+    const TriangleMesh mesh = meshOf(bricks);
+    PreprocessOptions options;
+    options.radius = {0.004, false};
+    const auto rounding = preprocess(mesh, options).rounding;
+    const RoundingView& view = rounding->view();
+    const auto flats = flatMargins(view, mesh);
+    Bounds3 bounds;
+    for (const Point3& p : mesh.positions)
+      bounds.extend(p);
+    const Point3 centre = bounds.centre();
+    const auto rounded = [&](const Point3& p) {
+      return Point3(centre.x + double(float(p.x - centre.x)), centre.y + double(float(p.y - centre.y)),
+                    centre.z + double(float(p.z - centre.z)));
+    };
+    const float doubt = float(0x1p-22 * 0.5 * bounds.diagonal());
+    std::mt19937_64 random(11);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    std::size_t steep = 0, held = 0, wrong = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const FacetRecord& facet = view.facets[flats[t].facet];
+      const SolidRecord& solid = view.solids[facet.solid];
+      const Point3 origin(solid.origin[0], solid.origin[1], solid.origin[2]);
+      const Vector3 normal(facet.normal);
+      Point3 corner[3];
+      for (std::size_t k = 0; k < 3; ++k)
+        corner[k] = rounded(mesh.positions[mesh.triangles[t][k]]);
+      for (int i = 0; i < 2000; ++i) {
+        const float x = std::sqrt(uniform(random)), y = uniform(random), u = x * (1 - y), v = x * y;
+        const Point3 met =
+            corner[0] + (corner[1] - corner[0]) * double(u) + (corner[2] - corner[0]) * double(v);
+        const double sine = std::exp2(-6.5 * double(uniform(random))), angle = 7 * double(uniform(random));
+        const Vector3 along = normalize(cross(normal, Vector3(0.3, 0.5, 0.8))), across = cross(normal, along);
+        const Vector3 direction = normal * -sine + (along * std::cos(angle) + across * std::sin(angle)) *
+                                                       std::sqrt(std::max(0.0, 1 - sine * sine));
+        const bool holds = flats[t].holds(u, v, doubt, float(sine * sine));
+        steep += sine > 0.5;
+        held += holds && sine > 0.5;
+        if (!holds) continue;
+        // Where the ray meets the plane in truth.
+        const double t0 = (double(facet.offset) - dot(normal, met - origin)) / dot(normal, direction);
+        const Point3 there = met + direction * t0;
+        wrong += detect(view, facet.solid, flats[t].facet, Point3(there - origin)).inZone;
+      }
+    }
+    EXPECT_EQ(wrong, 0u) << distance;
+    // A fifth of a brick's faces is rounding and what is near it.
+    if (distance < 100) {
+      EXPECT_GT(double(held), 0.6 * double(steep)) << distance;
+    }
+  }
 }
 
 TEST(FlatMargins, LeaveFlatRaysAndImpreciseOnesToTheSearch) {

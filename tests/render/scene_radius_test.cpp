@@ -233,6 +233,15 @@ TEST(UpAxis, TurnsMeshesUpright) {
   EXPECT_EQ(turned->bounds.lower, Point3(0, -2, 0));
   EXPECT_EQ(turned->bounds.upper, Point3(1, 0, 5));
   EXPECT_FALSE(asIs->id == turned->id);
+  // Either brings the other along.
+  ASSERT_TRUE(asIs->otherUp && turned->otherUp);
+  EXPECT_EQ(asIs->otherUp->id, turned->id);
+  EXPECT_EQ(turned->otherUp->id, asIs->id);
+  EXPECT_EQ(asIs->otherUp->otherUpId, asIs->id);
+  EXPECT_EQ(asIs->otherUp->bounds.lower, turned->bounds.lower);
+  EXPECT_EQ(asIs->otherUp->camera.eye, turned->camera.eye);
+  EXPECT_EQ(asIs->otherUp->meshes[0].traced, asIs->meshes[0].traced) << "what is large is there once";
+  expectSameHits(asIs->otherUp, turned, {RoundingMode::Analytic, 0, 0.2});
   const auto placed = loadText(folder, scene(R"("file":"post.obj","up_axis":"y","radius":0.1)",
                                              {R"(,"scale":[1,1,2],"translate":[10,0,0])"}));
   EXPECT_EQ(placed->bounds.lower, Point3(10, -2, 0));

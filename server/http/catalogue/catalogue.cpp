@@ -126,7 +126,8 @@ void Catalogue::put(const Entry& entry) {
 void Catalogue::indexIds() {
   std::map<std::string, Entry> ids;
   for (const auto& [name, entry] : byName_)
-    if (entry->scene) ids.emplace(entry->scene->id.hex(), entry);
+    for (const Entry& e : {entry, entry->otherUp})
+      if (e && e->scene) ids.emplace(e->scene->id.hex(), e);
   byId_.swap(ids);
 }
 
@@ -168,6 +169,11 @@ Catalogue::Entry Catalogue::load(const FoundScene& found, const Entry& before) c
     logMessage(LogLevel::Info, "scene " + found.name +
                                    " is ready: " + std::to_string(entry->scene->triangles) + " triangles, " +
                                    std::to_string(entry->scene->roundedEdges) + " rounded edges");
+    if (entry->scene->otherUp) {
+      auto other = std::make_shared<CatalogueEntry>(*entry);
+      other->scene = entry->scene->otherUp;
+      entry->otherUp = std::move(other);
+    }
     return entry;
   }
   if (before && before->state == SceneState::Ready) {

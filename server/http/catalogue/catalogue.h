@@ -35,6 +35,8 @@ struct CatalogueEntry {
   /// Ready only: the files have changed since and cannot be loaded as they are now, for this reason; empty:
   /// they have not. A file that is half written when it is looked at does no harm in this way.
   std::string outdated;
+  /// Ready and a bare mesh: the same with its other axis up (Scene::otherUp), found by its id only.
+  std::shared_ptr<const CatalogueEntry> otherUp;
 };
 
 class Catalogue {

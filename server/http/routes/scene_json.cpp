@@ -25,6 +25,15 @@ Json radiusJson(double current, double max) {
           {"max", knownLength(max)}};
 }
 
+/// null: a scene file, which says it of each of its meshes.
+Json upAxisJson(const Scene& scene) {
+  if (!scene.meshUp) return {};
+  const bool y = *scene.meshUp == UpAxis::Y;
+  return {{"current", y ? "y" : "z"},
+          {"ids",
+           {{"y", (y ? scene.id : scene.otherUpId).hex()}, {"z", (y ? scene.otherUpId : scene.id).hex()}}}};
+}
+
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 std::size_t roundedEdges(const Rounding& rounding) {
@@ -106,6 +115,7 @@ std::string sceneSummaryJson(const CatalogueEntry& entry, const std::string& roo
 std::string sceneDetailJson(const CatalogueEntry& entry, const std::string& root) {
   const Scene& scene = *entry.scene;
   Json json = summary(entry, root);
+  json["up_axis"] = upAxisJson(scene);
   json["instances"] = scene.instances.size();
   json["meshes"] = Json::array();
   for (const SceneMesh& mesh : scene.meshes)

@@ -105,8 +105,15 @@ constexpr const char* kSchemas = R"json({
     "aperture_diameter": {"type": "number"}, "focus_distance": {"type": "number", "description": "0: distance to the target"}}},
 "Scene": {
   "allOf": [{"$ref": "#/components/schemas/SceneSummary"}], "unevaluatedProperties": false,
-  "required": ["instances", "meshes", "materials", "camera", "load"],
+  "required": ["up_axis", "instances", "meshes", "materials", "camera", "load"],
   "properties": {
+    "up_axis": {
+      "type": ["object", "null"], "additionalProperties": false, "required": ["current", "ids"],
+      "description": "of a bare mesh, the axis of its file that points up; null: a scene file says it of each mesh",
+      "properties": {
+        "current": {"enum": ["y", "z"]},
+        "ids": {"type": "object", "additionalProperties": false, "required": ["y", "z"], "description": "the same mesh with either axis up: scenes of their own, one of them this one",
+                "properties": {"y": {"$ref": "#/components/schemas/Id"}, "z": {"$ref": "#/components/schemas/Id"}}}}},
     "instances": {"type": "integer"},
     "meshes": {"type": "array", "items": {"$ref": "#/components/schemas/Mesh"}},
     "materials": {"type": "array", "items": {"$ref": "#/components/schemas/Material"}},

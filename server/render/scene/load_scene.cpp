@@ -81,11 +81,27 @@ public:
     if (!scene_->meshes[0].rounding)
       scene_->warnings.push_back(
           "there is no sidecar beside the mesh: it stays sharp until a radius is given");
-    identity_ += up == UpAxis::Y ? "studio, y up" : "studio";
-    addInstance(0, kNone, uprightFrom(up));
-    checkCoordinates(scene_->instances, [&](std::size_t) { return fileInQuotes(file); });
-    addStudio(*data_, scene_->meshes.size(), scene_->bounds);
-    return finish({});
+    // Both ways up: what is large is shared.
+    const Scene bare = *scene_;
+    const SceneData bareData = *data_;
+    const std::string content = identity_;
+    const auto inStudio = [&](UpAxis axis) {
+      scene_ = std::make_shared<Scene>(bare);
+      data_ = std::make_shared<SceneData>(bareData);
+      identity_ = content + (axis == UpAxis::Y ? "studio, y up" : "studio");
+      scene_->meshUp = axis;
+      addInstance(0, kNone, uprightFrom(axis));
+      checkCoordinates(scene_->instances, [&](std::size_t) { return fileInQuotes(file); });
+      addStudio(*data_, scene_->meshes.size(), scene_->bounds);
+      finish({});
+      return scene_;
+    };
+    const std::shared_ptr<Scene> other = inStudio(up == UpAxis::Y ? UpAxis::Z : UpAxis::Y),
+                                 own = inStudio(up);
+    other->otherUpId = own->id;
+    own->otherUpId = other->id;
+    own->otherUp = other;
+    return own;
   }
 
   /// As resolveBelow(); a file that is not there yet is remembered too.

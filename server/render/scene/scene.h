@@ -47,6 +47,9 @@ struct SceneMesh {
   double maxRadius = 0;
 };
 
+/// Which axis of a mesh file points up.
+enum class UpAxis : std::uint8_t { Y, Z };
+
 struct SceneData; // materials, lights, textures: the renderer's own (scene_data.h)
 
 struct Scene {
@@ -62,13 +65,17 @@ struct Scene {
   /// changes, the scene may be another.
   std::vector<std::filesystem::path> files;
   std::shared_ptr<const SceneData> data;
+  /// Of a bare mesh: the axis of its file that is up here. Nothing: a scene file says it of each mesh.
+  std::optional<UpAxis> meshUp;
+  /// The same mesh in its studio with its other axis up; it shares all that is large. Null in that one.
+  std::shared_ptr<const Scene> otherUp;
+  Digest otherUpId; ///< of the scene with the other axis up, in both
 };
 
-/// Of everything that the scene holds: meshes with their hierarchies, roundings, textures. Each counted once.
+/// Of everything that the scene holds, `otherUp` with it: meshes with their hierarchies, roundings, textures.
+/// Each counted once.
 std::size_t memoryBytes(const Scene& scene);
 
-/// Which axis of a mesh file points up.
-enum class UpAxis : std::uint8_t { Y, Z };
 /// Turns what is y-up upright: y to z, z to -y.
 Transform uprightFrom(UpAxis up);
 

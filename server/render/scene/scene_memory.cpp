@@ -17,13 +17,11 @@ std::size_t bytesOf(const TriangleMesh& mesh) {
          bytesOf(mesh.materialOfTriangle) + bytesOf(mesh.materials);
 }
 
-} // namespace
-
-std::size_t memoryBytes(const Scene& scene) {
+/// Of the scene without what is among `seen`, to which it adds.
+std::size_t ownBytes(const Scene& scene, std::set<const void*>& seen) {
   const SceneData& data = *scene.data;
   std::size_t bytes = sizeof(Scene) + sizeof(SceneData) + bytesOf(scene.instances) + bytesOf(data.materials) +
                       bytesOf(data.instanceSource) + bytesOf(data.extraInstances);
-  std::set<const void*> seen;
   for (const auto* meshes : {&scene.meshes, &data.extraMeshes})
     for (const SceneMesh& m : *meshes) {
       if (seen.insert(m.mesh.get()).second) bytes += bytesOf(*m.mesh);
@@ -36,6 +34,13 @@ std::size_t memoryBytes(const Scene& scene) {
     if (seen.insert(texture.pixels()).second) bytes += texture.memoryBytes();
   if (data.environment) bytes += data.environment->memoryBytes();
   return bytes;
+}
+
+} // namespace
+
+std::size_t memoryBytes(const Scene& scene) {
+  std::set<const void*> seen;
+  return ownBytes(scene, seen) + (scene.otherUp ? ownBytes(*scene.otherUp, seen) : 0);
 }
 
 } // namespace chamfer

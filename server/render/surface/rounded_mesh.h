@@ -3,8 +3,8 @@
 #pragma once
 
 #include "common/ray_query.h"
+#include "preprocess/rounding/original_surface.h"
 #include "server/render/scene/scene.h"
-#include "server/render/surface/original_surface.h"
 
 #include <functional>
 #include <vector>

@@ -151,12 +151,9 @@ bool Surfaces::textureCoordinates(const TraceHit& hit, const SurfacePlace& place
   const std::uint32_t index = source(hit.instance).mesh;
   if (index >= scene_->meshes.size()) return false; // a studio's own objects have no textures
   const TriangleMesh& mesh = *scene_->meshes[index].mesh;
-  const auto corners = uvCorners(mesh, place.original.triangle);
-  if (!corners) return false;
-  const auto& [a, b, c] = *corners;
-  const float u = place.original.u, v = place.original.v, w = 1 - u - v;
-  uv = {w * a[0] + u * b[0] + v * c[0], w * a[1] + u * b[1] + v * c[1]};
-  return true;
+  const auto there = uvAt(mesh, place.original);
+  if (there) uv = {(*there)[0], (*there)[1]};
+  return there.has_value();
 }
 
 SurfaceValues Surfaces::values(const TraceHit& hit, const SurfacePlace& place) const {

@@ -1,16 +1,6 @@
 #include "server/render/surface/tangent_frame.h"
 
-#include "common/rounding.h"
-
 namespace chamfer {
-
-std::optional<std::array<std::array<float, 2>, 3>> uvCorners(const TriangleMesh& mesh,
-                                                             std::uint32_t triangle) {
-  if (triangle >= mesh.uvTriangles.size()) return {};
-  const auto& c = mesh.uvTriangles[triangle];
-  if (c[0] == kNone || c[1] == kNone || c[2] == kNone) return {};
-  return std::array{mesh.uvs[c[0]], mesh.uvs[c[1]], mesh.uvs[c[2]]};
-}
 
 bool holdsNormals(const Texture& texture) {
   Color mean;

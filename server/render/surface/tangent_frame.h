@@ -3,17 +3,13 @@
 #pragma once
 
 #include "common/transform.h"
-#include "preprocess/mesh.h"
+#include "preprocess/rounding/original_surface.h"
 #include "server/render/material/texture.h"
 
 #include <array>
 #include <optional>
 
 namespace chamfer {
-
-/// Texture coordinates of a triangle's corners; nothing where the mesh has none there.
-std::optional<std::array<std::array<float, 2>, 3>> uvCorners(const TriangleMesh& mesh,
-                                                             std::uint32_t triangle);
 
 /// World, orthonormal; right-handed unless the texture is mirrored on the surface.
 struct TangentFrame {

@@ -53,8 +53,7 @@ void raiseMargins(const std::vector<Border>& borders, Margins& margins) {
 /// Works on one triangle after the other; keeps what it knows of the facet while that stays the same.
 class Worker {
 public:
-  Worker(const RoundingView& view, const TriangleMesh& mesh, double size)
-      : view_(view), mesh_(mesh), size_(size) {}
+  Worker(const RoundingView& view, const TriangleMesh& mesh) : view_(view), mesh_(mesh) {}
 
   TriangleFlat of(std::size_t t) {
     const std::uint32_t facet = view_.facetOfTriangle[t];
@@ -105,9 +104,10 @@ private:
       margins[k] = up / TriangleFlat::kUnit - kDoubt;
     }
     if (!inside(margins)) return;
-    // Half of what may be off is for the ray, half for the triangle as float32 has it, seen at the flattest.
-    const double share = 0.5 * leastHeight(at) * kDoubt;
-    if ((offPlane + 0x1p-23 * size_) * TriangleFlat::kSteepest > share) return;
+    // A third of what may be off is for the place that is met, one for the vertices along the triangle, and
+    // one for their height over the facet's plane, seen at the flattest.
+    const double share = leastHeight(at) * kDoubt / 3;
+    if (offPlane * TriangleFlat::kSteepest > share) return;
     const double slack = std::floor(std::log2(share));
     if (!(slack > -126 && slack < 127)) return;
     flat.margins = units;
@@ -146,7 +146,6 @@ private:
 
   const RoundingView& view_;
   const TriangleMesh& mesh_;
-  double size_; ///< of the mesh: half its bounds' diagonal
   std::uint32_t facet_ = kNone;
   Vector3 origin_, normal_;
   double offset_ = 0;
@@ -156,12 +155,12 @@ private:
 
 } // namespace
 
-std::vector<TriangleFlat> flatMargins(const RoundingView& view, const TriangleMesh& mesh, double size) {
+std::vector<TriangleFlat> flatMargins(const RoundingView& view, const TriangleMesh& mesh) {
   std::vector<TriangleFlat> flats(view.facetOfTriangle.size());
   const std::size_t threads =
       std::clamp<std::size_t>(flats.size() / kShare, 1, std::max(1u, std::thread::hardware_concurrency()));
   const auto work = [&](std::size_t part) {
-    Worker worker(view, mesh, size);
+    Worker worker(view, mesh);
     for (std::size_t t = flats.size() * part / threads; t < flats.size() * (part + 1) / threads; ++t)
       flats[t] = worker.of(t);
   };

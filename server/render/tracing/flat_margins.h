@@ -21,12 +21,13 @@ struct TriangleFlat {
   std::uint32_t facet = kNone; ///< into RoundingView::facets; kNone: the triangle stays sharp
   /// Least barycentric coordinates of the first, second and third vertex.
   std::array<std::uint8_t, 3> margins{kNever, kNever, kNever};
-  /// The answer stays right for places that are off by 2^slack (mesh units) along the triangle.
+  /// The answer stays right for places that are off by 2^slack (mesh units) along the triangle, and for
+  /// vertices that are off by as much.
   std::int8_t slack = 0;
 
   /// Is the point surely on the flat? `u`, `v`: barycentric coordinates of the second and third vertex.
-  /// `off`: how far the ray that met it there may be off, across itself, in mesh units; `squaredSine`: of the
-  /// ray's angle with the triangle.
+  /// `off`: how far the ray that met it there may be off, across itself, and the triangle's vertices,
+  /// together, in mesh units; `squaredSine`: of the ray's angle with the triangle.
   bool holds(float u, float v, float off, float squaredSine) const {
     const float scale = kUnit, allowed = std::bit_cast<float>(std::uint32_t(127 + slack) << 23);
     return scale * u >= margins[1] && scale * v >= margins[2] && scale * (1 - u - v) >= margins[0] &&
@@ -35,8 +36,8 @@ struct TriangleFlat {
 };
 static_assert(sizeof(TriangleFlat) == 8);
 
-/// By the mesh's triangle index. `size`: of the mesh's largest coordinate as the tracer has it. Time is
-/// linear in the number of triangles; facets with very many sides are left to their detection trees.
-std::vector<TriangleFlat> flatMargins(const RoundingView& view, const TriangleMesh& mesh, double size);
+/// By the mesh's triangle index. Time is linear in the number of triangles; facets with very many sides are
+/// left to their detection trees.
+std::vector<TriangleFlat> flatMargins(const RoundingView& view, const TriangleMesh& mesh);
 
 } // namespace chamfer

@@ -28,6 +28,7 @@ struct RayForm {
   const ClosedSolids* closed = nullptr; ///< of a mesh that transmits: for its sharp triangles
   std::uint32_t firstClosed = 0;        ///< solids from here on are those of `closed`
   bool transmits = false;
+  float vertexDoubt = 0; ///< by which float32 may put the mesh and its vertices elsewhere, mesh units
 
   std::uint32_t closedSolid(std::uint32_t entry) const {
     return firstClosed + (entry & ~ClosedSolids::kTurned);
@@ -236,9 +237,9 @@ private:
   }
 
   /// How far Embree's ray may be off, across itself, in the instance's units: a few units in the last place
-  /// of the larger of origin and hit.
+  /// of the larger of origin and hit; and what it meets.
   float off(const RayInstance& in, const MetTriangle& met) const {
-    return 0x1p-21f * (originSize + met.t * directionSize) * in.objectScale;
+    return 0x1p-21f * (originSize + met.t * directionSize) * in.objectScale + in.form->vertexDoubt;
   }
   /// Is the place on the triangle's flat, by its barycentric coordinates alone?
   bool isSurelyFlat(const RayInstance& in, const MetTriangle& met) const {

@@ -330,7 +330,8 @@ private:
       form->ray.transmits = i.transmits;
       if (i.rounding) {
         form->ray.view = &i.rounding->view();
-        form->flats = flatMargins(*form->ray.view, i.mesh->mesh(), 0.5 * i.mesh->bounds().diagonal());
+        form->flats = flatMargins(*form->ray.view, i.mesh->mesh());
+        form->ray.vertexDoubt = float(0x1p-22 * 0.5 * i.mesh->bounds().diagonal());
         form->ray.flats = form->flats.data();
         form->ray.firstClosed = std::uint32_t(form->ray.view->solidCount());
       }

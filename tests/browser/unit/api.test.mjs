@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { afterEach, test } from 'node:test';
 
-import { fetchHit, fetchScene, fetchScenes, fetchTile, ServerError } from '../../../web/api.js';
+import { fetchHit, fetchScene, fetchScenes, fetchTile, fetchUpright, ServerError } from '../../../web/api.js';
 
 const { fetch } = globalThis;
 afterEach(() => (globalThis.fetch = fetch));
@@ -44,3 +44,17 @@ for (const [name, call] of calls) {
     await assert.rejects(call(), { name: 'AbortError' });
   });
 }
+
+test('a bare mesh is asked for by the id that has the wished axis up', async () => {
+  const camera = { eye: [0, 0, 0], target: [1, 0, 0], up: [0, 0, 1], vfov_degrees: 40 };
+  const scene = (id, current) => ({ id, camera, up_axis: { current, ids: { y: 'idy', z: 'idz' } } });
+  const answers = { 'v1/scenes/a': scene('idz', 'z'), 'v1/scenes/idy': scene('idy', 'y') };
+  globalThis.fetch = async (url) => new Response(JSON.stringify(answers[url]), { status: 200 });
+  for (const [up, id] of [[null, 'idz'], ['z', 'idz'], ['y', 'idy']]) {
+    const found = await fetchUpright('a', up);
+    assert.equal(found.id, id);
+    assert.equal(found.listedId, 'idz');
+  }
+  answers['v1/scenes/a'].up_axis = null; // of a scene file
+  assert.equal((await fetchUpright('a', 'y')).id, 'idz');
+});

@@ -6,9 +6,9 @@ import { cameraText, decodeView, encodeView, parseCamera } from '../../../web/vi
 const camera = { eye: [3, -4.25, 2], target: [0, 0, 1], up: [0, 0, 1], vfovDegrees: 35 };
 
 test('a view survives the address', () => {
-  const view = { scene: 'solids/a b&c', camera, radius: 0.0125, rounding: 'none' };
+  const view = { scene: 'solids/a b&c', camera, radius: 0.0125, rounding: 'none', up: 'y' };
   assert.deepEqual(decodeView(encodeView(view)), view);
-  const own = { scene: 'dice', camera: null, radius: null, rounding: 'analytic' };
+  const own = { scene: 'dice', camera: null, radius: null, rounding: 'analytic', up: null };
   assert.equal(encodeView(own), '#scene=dice');
   assert.deepEqual(decodeView(encodeView(own)), own);
 });
@@ -26,12 +26,13 @@ test('a lens is part of the camera', () => {
 });
 
 test('what is wrong in an address is left out', () => {
-  assert.deepEqual(decodeView(''), { scene: null, camera: null, radius: null, rounding: 'analytic' });
-  assert.deepEqual(decodeView('#radius=-1&rounding=soft&camera=1,2,3'), {
+  assert.deepEqual(decodeView(''), { scene: null, camera: null, radius: null, rounding: 'analytic', up: null });
+  assert.deepEqual(decodeView('#radius=-1&rounding=soft&camera=1,2,3&up=x'), {
     scene: null,
     camera: null,
     radius: null,
     rounding: 'analytic',
+    up: null,
   });
 });
 

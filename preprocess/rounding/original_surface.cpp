@@ -1,10 +1,27 @@
-#include "server/render/surface/original_surface.h"
+#include "preprocess/rounding/original_surface.h"
 
 #include "common/sidecar.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace chamfer {
+
+std::optional<std::array<std::array<float, 2>, 3>> uvCorners(const TriangleMesh& mesh,
+                                                             std::uint32_t triangle) {
+  if (triangle >= mesh.uvTriangles.size()) return {};
+  const auto& c = mesh.uvTriangles[triangle];
+  if (c[0] == kNone || c[1] == kNone || c[2] == kNone) return {};
+  return std::array{mesh.uvs[c[0]], mesh.uvs[c[1]], mesh.uvs[c[2]]};
+}
+
+std::optional<std::array<float, 2>> uvAt(const TriangleMesh& mesh, const MeshPlace& place) {
+  const auto corners = uvCorners(mesh, place.triangle);
+  if (!corners) return {};
+  const auto& [a, b, c] = *corners;
+  const float u = place.u, v = place.v, w = 1 - u - v;
+  return std::array{w * a[0] + u * b[0] + v * c[0], w * a[1] + u * b[1] + v * c[1]};
+}
 
 OriginalSurface::OriginalSurface(std::shared_ptr<const TriangleMesh> mesh,
                                  std::shared_ptr<const Rounding> rounding)
@@ -44,12 +61,11 @@ MeshPlace OriginalSurface::placeOn(std::uint32_t triangle, const Point3& p) cons
   return {triangle, float(dot(cross(d, e2), n) / square), float(dot(cross(e1, d), n) / square)};
 }
 
-MeshPlace OriginalSurface::placeOnFacet(std::uint32_t facet, const Point3& p) const {
-  const auto inside = [](const MeshPlace& m) { return std::min({m.u, m.v, 1 - m.u - m.v}); };
+MeshPlace OriginalSurface::placeAmong(std::span<const std::uint32_t> triangles, const Point3& p) const {
   MeshPlace best{kNone, -INFINITY, -INFINITY};
-  for (std::uint32_t i = starts_[facet]; i < starts_[facet + 1] && !(inside(best) >= 0); ++i) {
-    const MeshPlace other = placeOn(triangles_[i], p);
-    if (best.triangle == kNone || inside(other) > inside(best)) best = other;
+  for (std::size_t i = 0; i < triangles.size() && !(best.inside() >= 0); ++i) {
+    const MeshPlace other = placeOn(triangles[i], p);
+    if (best.triangle == kNone || other.inside() > best.inside()) best = other;
   }
   return std::isfinite(best.u) ? best : MeshPlace{best.triangle, 0, 0};
 }
