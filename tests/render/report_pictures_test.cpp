@@ -38,9 +38,9 @@ Image render(const PreparedScene& prepared, Aov aov, unsigned samples, unsigned 
 
 /// Of `renders` renders with seeds from `firstSeed` on.
 test::ImageSeries series(const PreparedScene& prepared, unsigned renders, unsigned firstSeed) {
-  test::ImageSeries all(kWidth, kHeight);
+  test::ImageSeries all;
   for (unsigned i = 0; i < renders; ++i)
-    all.add(render(prepared, Aov::Beauty, 8, firstSeed + i));
+    all.push_back(render(prepared, Aov::Beauty, 8, firstSeed + i));
   return all;
 }
 
@@ -85,7 +85,7 @@ TEST(ReportPictures, AreTheSameInAnyUnitAndFarFromTheOrigin) {
       // What a pixel's first sample sees: rays that pass an edge within rounding may pass it elsewhere.
       for (const Aov aov : {Aov::Feature, Aov::Normal, Aov::Albedo})
         EXPECT_LE(differing(render(*first, aov, 1, 1), render(*second, aov, 1, 1), 2e-3f), 0.002) << int(aov);
-      const test::Verdict verdict = judge(series(*first, 8, 0), series(*second, 8, 100));
+      const test::Verdict verdict = test::judge(series(*first, 16, 0), series(*second, 16, 100));
       EXPECT_TRUE(verdict.same) << verdict.text;
     }
   }
@@ -107,7 +107,7 @@ TEST(ReportPictures, AMirroredLampShinesLikeOneThatIsNot) {
     const auto first = prepare(plain, kModes[m]), second = prepare(mirrored, kModes[m]);
     for (const Aov aov : {Aov::Feature, Aov::Normal})
       EXPECT_LE(differing(render(*first, aov, 1, 1), render(*second, aov, 1, 1), 2e-3f), 0.01) << int(aov);
-    const test::Verdict verdict = judge(series(*first, 12, 0), series(*second, 12, 100));
+    const test::Verdict verdict = test::judge(series(*first, 16, 0), series(*second, 16, 100));
     EXPECT_TRUE(verdict.same) << verdict.text;
     double light = 0;
     for (const float v : render(*second, Aov::Beauty, 8, 1).rgba)
