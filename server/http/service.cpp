@@ -288,6 +288,11 @@ Response Service::metricsText() const {
     now.sceneBytes += entry->bytes;
   }
   if (connections_) now.connections = connections_();
+  if (comparisons_) {
+    const Comparisons::State jobs = comparisons_->state();
+    now.queuedComparisons = jobs.queued;
+    now.runningComparisons = jobs.running;
+  }
   now.draining = ending_;
   Response response = plainText(metrics_.text(now));
   response.contentType = kMetricsMediaType;

@@ -56,7 +56,7 @@ Comparisons::Submitted Comparisons::submit(const std::string& body) {
   const std::size_t waiting = store_.unfinished().size();
   if (waiting >= store_.options().waiting)
     throw ProblemError(busy(std::to_string(waiting) + " comparisons wait or run, which is all that may",
-                            kRetryAfterSeconds, Scarcity::RenderQueue));
+                            kRetryAfterSeconds));
   if (known)
     store_.restart(id, submission.request);
   else
@@ -140,7 +140,9 @@ std::string Comparisons::file(const std::string& id, const char* name) const {
 
 std::string Comparisons::suite(const std::string& id) const {
   require(id);
-  return store_.readJson(id, "request.json")["suite"].dump(2) + "\n";
+  const Json request = store_.readJson(id, "request.json");
+  if (!request.contains("suite")) throw ProblemError(notFound("the comparison's suite is damaged"));
+  return request["suite"].dump(2) + "\n";
 }
 
 Comparisons::News Comparisons::newsSince(const std::string& known, const std::string& id,

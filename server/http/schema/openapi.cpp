@@ -157,8 +157,8 @@ Json parametersOf(const RouteRow& route) {
       list.push_back({{"name", "job"},
                       {"in", "path"},
                       {"required", true},
-                      {"description", "id of a comparison"},
-                      {"schema", {{"type", "string"}, {"pattern", "^[0-9a-f]{32}$"}}}});
+                      {"description", "id of a comparison, hexadecimal"},
+                      {"schema", {{"type", "string"}, {"minLength", 32}, {"maxLength", 32}}}});
     else
       list.push_back(parameter(parameterRow(name), "path", route));
   }
