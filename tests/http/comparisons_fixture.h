@@ -73,6 +73,13 @@ protected:
     }
     return found;
   }
+  /// Are they gone, or soon?
+  bool withoutSeeds(const std::string& path) const {
+    const auto folder = jobs_.path() / idOfJob(path) / "seeds";
+    for (int i = 0; i < 200 && std::filesystem::exists(folder); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return !std::filesystem::exists(folder);
+  }
   /// What was found, without what is of the moment.
   nlohmann::json found(const std::string& path) {
     nlohmann::json result = json(get(path + "/result.json"));

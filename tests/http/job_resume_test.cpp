@@ -75,7 +75,7 @@ TEST_F(JobResume, AKilledServerLosesNoFinishedSeed) {
   serveJobs();
   const auto job = waitFor(path, "done");
   EXPECT_EQ(found(path), expected);
-  EXPECT_FALSE(fs::exists(jobs_.path() / idOfJob(path) / "seeds"));
+  EXPECT_TRUE(withoutSeeds(path));
 }
 
 TEST_F(JobResume, SigtermStopsAJobAtOnce) {

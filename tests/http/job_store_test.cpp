@@ -58,6 +58,17 @@ TEST_F(JobStoreTest, MustNotLieWithinTheServedFolderNorItWithin) {
   EXPECT_EQ(test::thrownBy([&] { JobStore({.folder = base_.path() / "root-like/a/b"}, root_); }), "nothing");
 }
 
+TEST_F(JobStoreTest, SeedsOfEndedJobsGo) {
+  const JobStore jobs = store();
+  addEnded(jobs, 1, 50);
+  base_.write("jobs/" + idOf(1) + "/seeds/x.exr", "");
+  jobs.add(idOf(2), "{}");
+  base_.write("jobs/" + idOf(2) + "/seeds/x.exr", "");
+  jobs.tidy();
+  EXPECT_FALSE(fs::exists(jobs.path(idOf(1), "seeds")));
+  EXPECT_TRUE(fs::exists(jobs.path(idOf(2), "seeds/x.exr")));
+}
+
 TEST_F(JobStoreTest, OldJobsGo) {
   const JobStore jobs = store({.age = std::chrono::seconds(100)});
   addEnded(jobs, 1, 50);

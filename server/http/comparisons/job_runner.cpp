@@ -95,8 +95,7 @@ void JobRunner::run() {
       logMessage(LogLevel::Error, std::string("comparisons: ") + error.what());
     }
     std::unique_lock lock(mutex_);
-    wake_.wait_for(lock, ready ? kRescan : std::chrono::milliseconds(50),
-                   [this] { return woken_ && !stopping_; });
+    wake_.wait_for(lock, ready ? kRescan : std::chrono::milliseconds(50), [this] { return woken_; });
     woken_ = false;
   }
 }

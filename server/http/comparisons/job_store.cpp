@@ -206,6 +206,7 @@ void JobStore::tidy() const {
   std::vector<Ended> all;
   std::uint64_t bytes = 0;
   for (const std::string& id : ids()) {
+    if (ended(id) && !running(id)) dropSeeds(id); // whoever ended it was killed right then
     const std::uint64_t own = bytesBelow(options_.folder / id);
     bytes += own;
     if (ended(id) && !running(id)) all.push_back({timeOf(path(id, "state.json")).tv_sec, id, own});
