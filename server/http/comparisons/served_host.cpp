@@ -22,7 +22,7 @@ using std::chrono::milliseconds;
 constexpr unsigned kTileWork = 1u << 14;
 constexpr unsigned kLargestTile = 128, kSmallestTile = 8; ///< pixels a side
 /// So long a tile waits for a moment without requests; then it is rendered beside them.
-constexpr milliseconds kPatience{200};
+constexpr milliseconds kPatience{50};
 constexpr milliseconds kPause{200};
 
 bool isHidden(const fs::path& relative) {
