@@ -226,27 +226,8 @@ Response Service::answerRoute(const RouteRow& row, const Request& request) {
   case RouteId::File:
     return fileRoute(files_, request, decodePath(splitPath(request.path)));
   default:
-    return answerComparison(row, request);
-  }
-}
-
-Response Service::answerComparison(const RouteRow& row, const Request& request) {
-  if (!comparisons_)
-    throw ProblemError(notFound("this server takes no comparisons; start it with --jobs DIR"));
-  switch (row.id) {
-  case RouteId::Comparisons:
-    return comparisonsRoute(*comparisons_, request);
-  case RouteId::Submit:
-    if (draining_) throw ProblemError(busy("the server is shutting down", 5));
-    return submitRoute(*comparisons_, request);
-  case RouteId::Comparison:
-    return comparisonRoute(*comparisons_, request);
-  case RouteId::EndComparison:
-    return endComparisonRoute(*comparisons_, request);
-  case RouteId::ComparisonEvents:
-    return comparisonEventsRoute(*comparisons_, request);
-  default:
-    return comparisonFileRoute(*comparisons_, row, request);
+    if (draining_ && row.id == RouteId::Submit) throw ProblemError(busy("the server is shutting down", 5));
+    return comparisonRoute(comparisons_.get(), row, request);
   }
 }
 

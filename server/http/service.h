@@ -54,7 +54,6 @@ private:
   Target admit(const Request& request, const RouteRow*& row) const;
   Response route(const Request& request, const RouteRow*& row);
   Response answerRoute(const RouteRow& row, const Request& request);
-  Response answerComparison(const RouteRow& row, const Request& request);
   Response answerScene(const SceneMatch& match, const Request& request);
   Response ready() const;
   Response metricsText() const;

@@ -145,6 +145,31 @@ TEST_F(JobResume, AJobOfAnotherVersionOrADamagedOneFailsAndSaysSo) {
   EXPECT_EQ(get(path + "/suite.json").status, 404);
 }
 
+TEST_F(JobResume, AJobThatEndsItsServerAgainAndAgainIsGivenUp) {
+  const std::vector<std::string> arguments{"serve",  folder_.path().string(), "--port",      "0",
+                                           "--jobs", jobs_.path().string(),   "--log-level", "error"};
+  std::string path;
+  for (int round = 0; round < 5; ++round) {
+    test::Program program(arguments);
+    const int port = program.port();
+    if (round == 0) path = test::post(port, "/v1/comparisons", suite(endlessCase("n"))).header("location");
+    ASSERT_FALSE(path.empty());
+    for (int i = 0; i < 500 && test::get(port, path).body.find("\"most_seeds\"") == std::string::npos; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    program.signal(SIGKILL);
+    program.finish();
+  }
+  serveJobs();
+  EXPECT_THAT(std::string(waitFor(path, "failed")["detail"]), HasSubstr("5 times"));
+  // Stopped in good order it is none of these.
+  for (int round = 0; round < 7; ++round) {
+    submit(suite(endlessCase("n")));
+    waitFor(path, "running");
+    serveJobs();
+  }
+  waitFor(path, "running");
+}
+
 TEST_F(JobResume, AnyNodeAnswersForAJobOnSharedStorage) {
   serveJobs();
   const std::string path = submitted(suite(endlessCase("long"))),

@@ -80,7 +80,9 @@ Json Comparisons::facts(const std::string& id) const {
     for (const char* key : keys)
       if (from.contains(key)) job[key] = from[key];
   };
-  if (const Json ended = store_.readJson(id, "state.json"); ended.is_object()) {
+  if (store_.ended(id)) {
+    Json ended = store_.readJson(id, "state.json");
+    if (!ended.is_object()) ended = {{"state", "failed"}, {"detail", "its state.json is damaged"}};
     take(ended, {"state", "finished", "outcome", "detail", "cases"});
   } else if (Json here = runner_.progressOf(id); here.is_object() || store_.running(id)) {
     job["state"] = "running";

@@ -20,6 +20,8 @@ namespace {
 /// Between looks for jobs that another process has left or taken in, and for a word that a job is cancelled.
 constexpr std::chrono::milliseconds kRescan{1'000}, kLook{300};
 constexpr std::chrono::seconds kTidy{60};
+constexpr int kMostTries = 5;
+constexpr const char* kTries = "tries.json";
 /// Of the thread and those that it starts: a tenth of the cores beside requests, all of them where there are
 /// none.
 constexpr int kNice = 10;
@@ -123,6 +125,7 @@ void JobRunner::work(const std::string& id) {
   logMessage(LogLevel::Info, "comparison " + id + " begins");
   std::string ended = "stopped";
   try {
+    countTry(id);
     compare(id);
     ended = "done";
   } catch (const Error& error) {
@@ -130,12 +133,29 @@ void JobRunner::work(const std::string& id) {
   } catch (const std::exception& error) {
     fail(id, ended = std::string("internal error: ") + error.what());
   }
+  std::error_code ignored;
+  std::filesystem::remove(store_.path(id, kTries), ignored); // the process has lived on
   if (store_.ended(id)) store_.dropSeeds(id);
   {
     const std::lock_guard lock(mutex_);
     current_.clear();
   }
   logMessage(LogLevel::Info, "comparison " + id + ": " + ended);
+}
+
+/// A job that ends its server again and again without one more seed is to be given up.
+void JobRunner::countTry(const std::string& id) const {
+  std::error_code none;
+  const auto seeds = std::distance(std::filesystem::directory_iterator(store_.path(id, "seeds"), none),
+                                   std::filesystem::directory_iterator());
+  const Json before = store_.readJson(id, kTries);
+  const bool stuck = before.is_object() && before.value("seeds", Json()) == seeds;
+  const int tries = stuck ? before.value("tries", 0) + 1 : 1;
+  if (tries > kMostTries)
+    throw Error(ErrorKind::Internal, "the server ended " + std::to_string(kMostTries) +
+                                         " times while it worked on this, without one more seed; see its "
+                                         "log, and its memory");
+  store_.write(id, kTries, textOf({{"seeds", seeds}, {"tries", tries}}));
 }
 
 void JobRunner::compare(const std::string& id) {

@@ -39,6 +39,7 @@ private:
   void compare(const std::string& id);
   void finish(const std::string& id, SuiteResult result);
   void fail(const std::string& id, const std::string& why);
+  void countTry(const std::string& id) const;
   /// Asked by the work, from any thread: has it lost its purpose? Tells other processes how far it is
   /// meanwhile.
   bool lostPurpose();

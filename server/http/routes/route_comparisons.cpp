@@ -26,13 +26,7 @@ std::string jobOf(const Request& request) {
   return request.path.substr(kPrefix, request.path.find('/', kPrefix) - kPrefix);
 }
 
-} // namespace
-
-Response comparisonsRoute(const Comparisons& comparisons, const Request& request) {
-  return cacheable(request, textOf(comparisons.list()), "application/json", "no-cache");
-}
-
-Response submitRoute(Comparisons& comparisons, const Request& request) {
+Response submit(Comparisons& comparisons, const Request& request) {
   requireJson(request);
   const Comparisons::Submitted submitted = comparisons.submit(request.body);
   Response response;
@@ -44,11 +38,7 @@ Response submitRoute(Comparisons& comparisons, const Request& request) {
   return response;
 }
 
-Response comparisonRoute(const Comparisons& comparisons, const Request& request) {
-  return cacheable(request, textOf(comparisons.status(jobOf(request))), "application/json", "no-cache");
-}
-
-Response endComparisonRoute(Comparisons& comparisons, const Request& request) {
+Response end(Comparisons& comparisons, const Request& request) {
   comparisons.end(jobOf(request));
   Response response;
   response.status = 204;
@@ -56,7 +46,7 @@ Response endComparisonRoute(Comparisons& comparisons, const Request& request) {
   return response;
 }
 
-Response comparisonEventsRoute(Comparisons& comparisons, const Request& request) {
+Response events(Comparisons& comparisons, const Request& request) {
   const std::string* const last = request.header("last-event-id");
   const bool waits = request.method == "GET";
   const Comparisons::News news =
@@ -75,20 +65,40 @@ Response comparisonEventsRoute(Comparisons& comparisons, const Request& request)
   return response;
 }
 
-Response comparisonFileRoute(const Comparisons& comparisons, const RouteRow& row, const Request& request) {
-  const std::string job = jobOf(request);
+/// The sandbox is for browsers; a file that is saved works as it is.
+Response report(const Request& request, std::string html) {
+  Response response = cacheable(request, std::move(html), "text/html; charset=utf-8", "no-cache");
+  response.headers.emplace_back("Content-Security-Policy", kReportPolicy);
+  return response;
+}
+
+} // namespace
+
+Response comparisonRoute(Comparisons* comparisons, const RouteRow& row, const Request& request) {
+  if (!comparisons)
+    throw ProblemError(notFound("this server takes no comparisons; start it with --jobs DIR"));
+  const auto json = [&](std::string text) {
+    return cacheable(request, std::move(text), "application/json", "no-cache");
+  };
   switch (row.id) {
+  case RouteId::Comparisons:
+    return json(textOf(comparisons->list()));
+  case RouteId::Submit:
+    return submit(*comparisons, request);
+  case RouteId::Comparison:
+    return json(textOf(comparisons->status(jobOf(request))));
+  case RouteId::EndComparison:
+    return end(*comparisons, request);
+  case RouteId::ComparisonEvents:
+    return events(*comparisons, request);
   case RouteId::ComparisonSuite:
-    return cacheable(request, comparisons.suite(job), "application/json", "no-cache");
+    return json(comparisons->suite(jobOf(request)));
   case RouteId::ComparisonResult:
-    return cacheable(request, comparisons.file(job, "result.json"), "application/json", "no-cache");
-  case RouteId::ComparisonJUnit:
-    return cacheable(request, comparisons.file(job, "junit.xml"), "application/xml", "no-cache");
+    return json(comparisons->file(jobOf(request), "result.json"));
+  case RouteId::ComparisonReport:
+    return report(request, comparisons->file(jobOf(request), "report.html"));
   default:
-    Response response =
-        cacheable(request, comparisons.file(job, "report.html"), "text/html; charset=utf-8", "no-cache");
-    response.headers.emplace_back("Content-Security-Policy", kReportPolicy);
-    return response;
+    return cacheable(request, comparisons->file(jobOf(request), "junit.xml"), "application/xml", "no-cache");
   }
 }
 

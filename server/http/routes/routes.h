@@ -67,18 +67,8 @@ Response previewRoute(const Parts& parts, const Request& request, const Catalogu
                       const std::string& scene);
 /// POST /v1/scenes/{scene}/rays
 Response raysRoute(const Parts& parts, const Request& request, const CatalogueEntry& entry);
-/// GET /v1/comparisons
-Response comparisonsRoute(const Comparisons& comparisons, const Request& request);
-/// POST /v1/comparisons
-Response submitRoute(Comparisons& comparisons, const Request& request);
-/// GET /v1/comparisons/{job}
-Response comparisonRoute(const Comparisons& comparisons, const Request& request);
-/// DELETE /v1/comparisons/{job}
-Response endComparisonRoute(Comparisons& comparisons, const Request& request);
-/// GET /v1/comparisons/{job}/events
-Response comparisonEventsRoute(Comparisons& comparisons, const Request& request);
-/// GET /v1/comparisons/{job}/result.json and the other files; `row`: of the file.
-Response comparisonFileRoute(const Comparisons& comparisons, const RouteRow& row, const Request& request);
+/// Everything under /v1/comparisons; `comparisons`: nullptr: the server takes none.
+Response comparisonRoute(Comparisons* comparisons, const RouteRow& row, const Request& request);
 /// GET of the page's files. Throws ProblemError (404).
 Response fileRoute(const StaticFiles& files, const Request& request, const std::string& path);
 
