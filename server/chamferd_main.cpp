@@ -91,6 +91,21 @@ CLI::App* addServe(CLI::App& app, ServeCommandOptions& options) {
   serve->add_option("--allow-host", options.allowHosts,
                     "Name by which clients may call this server; may be repeated");
   addUpAxis(*serve, options.upAxis, "Axis that points up in the files of bare meshes: y or z; default: z");
+  serve->add_option(
+      "--jobs", options.jobs,
+      "Folder for comparisons (POST /v1/comparisons), outside of the served one; default: none are "
+      "taken");
+  serve
+      ->add_option("--jobs-megabytes", options.jobsMegabytes,
+                   "Of that folder; beyond, the oldest finished comparisons go")
+      ->check(CLI::Range(16, 1 << 24))
+      ->capture_default_str();
+  serve->add_option("--jobs-days", options.jobsDays, "Days after which finished comparisons go")
+      ->check(CLI::Range(0.0, 36500.0))
+      ->capture_default_str();
+  serve->add_option("--jobs-waiting", options.jobsWaiting, "Comparisons that may wait or run; beyond, 503")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
   serve->add_option("--web", options.web, "Folder of the page; default: the one built in");
   serve
       ->add_option("--log-level", options.logLevel,

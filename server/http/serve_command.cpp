@@ -57,6 +57,9 @@ ServiceOptions serviceOptions(const ServeCommandOptions& options) {
   service.connections = options.connections;
   service.behindProxy = options.behindProxy;
   service.cacheBytes = options.cacheMegabytes << 20;
+  service.jobs = {options.jobs, std::uint64_t{options.jobsMegabytes} << 20,
+                  std::chrono::seconds(static_cast<std::int64_t>(options.jobsDays * 86400)),
+                  options.jobsWaiting};
   service.deadline = fromSeconds(options.deadlineSeconds);
   if (!options.keyFile.empty()) service.keys = readKeys(options.keyFile);
   const bool loopback = isLoopback(options.host);

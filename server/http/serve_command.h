@@ -29,6 +29,10 @@ struct ServeCommandOptions {
   std::vector<std::string> allowHosts; ///< names in Host that are answered, beside the loopback ones
   UpAxis upAxis = UpAxis::Z;           ///< of bare meshes
   std::filesystem::path web;           ///< folder of the page; empty: the one in the program
+  std::filesystem::path jobs;          ///< folder of comparisons; empty: none are taken
+  std::size_t jobsMegabytes = 4096;    ///< of that folder
+  double jobsDays = 30;                ///< that finished jobs stay
+  unsigned jobsWaiting = 128;          ///< jobs that may wait or run
   std::string logLevel = "info";
 };
 

@@ -10,21 +10,11 @@
 namespace chamfer::http {
 namespace {
 
-void allow(const Request& request, const RouteRow& row) {
-  std::string_view methods = row.methods;
-  for (;;) {
-    const std::size_t comma = methods.find(", ");
-    if (methods.substr(0, comma) == request.method) return;
-    if (comma == std::string_view::npos) throw ProblemError(methodNotAllowed(std::string(row.methods)));
-    methods.remove_prefix(comma + 2);
-  }
-}
-
 /// What a resource can do. No header of CORS is in it, so that browsers keep pages of other sites out.
 Response optionsOf(const RouteRow& row) {
   Response response;
   response.status = 204;
-  response.headers.emplace_back("Allow", row.methods);
+  response.headers.emplace_back("Allow", allowedMethods(row));
   response.headers.emplace_back("Cache-Control", "no-store");
   return response;
 }
@@ -107,7 +97,14 @@ Service::Service(ServiceOptions options, const Catalogue& catalogue, StaticFiles
       cache_(options_.cacheBytes, options_.threads),
       queue_(options_.slots, options_.waiting), parts_{options_, catalogue_, files_,
                                                        cache_,   queue_,     metrics_},
-      requests_((std::uint64_t{std::random_device{}()} << 32) | std::random_device{}()) {}
+      requests_((std::uint64_t{std::random_device{}()} << 32) | std::random_device{}()) {
+  if (!options_.jobs.folder.empty()) comparisons_ = std::make_unique<Comparisons>(options_.jobs, parts_);
+}
+
+void Service::announceEnd() {
+  ending_ = true;
+  if (comparisons_) comparisons_->stop();
+}
 
 std::string Service::newRequestId() {
   static constexpr char kHex[] = "0123456789abcdef";
@@ -196,7 +193,9 @@ Service::Target Service::admit(const Request& request, const RouteRow*& row) con
     if (!row)
       throw ProblemError(notFound("there is nothing under this path; GET /v1/info and /v1/scenes are"));
   }
-  allow(request, *row);
+  const RouteRow* const asked = row;
+  row = target.row = rowFor(*row, request.method);
+  if (!row) throw ProblemError(methodNotAllowed(allowedMethods(*asked)));
   return target;
 }
 
@@ -221,11 +220,14 @@ Response Service::answerRoute(const RouteRow& row, const Request& request) {
   case RouteId::OpenApi:
     return openApiRoute(parts_, request);
   case RouteId::Info:
-    return infoRoute(parts_, request);
+    return infoRoute(parts_, comparisons_.get(), request);
   case RouteId::Scenes:
     return scenesRoute(parts_, request);
-  default:
+  case RouteId::File:
     return fileRoute(files_, request, decodePath(splitPath(request.path)));
+  default:
+    if (draining_ && row.id == RouteId::Submit) throw ProblemError(busy("the server is shutting down", 5));
+    return comparisonRoute(comparisons_.get(), row, request);
   }
 }
 
@@ -267,6 +269,11 @@ Response Service::metricsText() const {
     now.sceneBytes += entry->bytes;
   }
   if (connections_) now.connections = connections_();
+  if (comparisons_) {
+    const Comparisons::State jobs = comparisons_->state();
+    now.queuedComparisons = jobs.queued;
+    now.runningComparisons = jobs.running;
+  }
   now.draining = ending_;
   Response response = plainText(metrics_.text(now));
   response.contentType = kMetricsMediaType;

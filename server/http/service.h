@@ -2,6 +2,7 @@
 // answer, adds what all answers carry, and writes the request log.
 #pragma once
 
+#include "server/http/comparisons/comparisons.h"
 #include "server/http/connection/connection_loop.h"
 #include "server/http/routes/problem.h"
 #include "server/http/routes/route_table.h"
@@ -27,14 +28,19 @@ public:
   /// How connections stand, for the metrics; without one, there are none. Before the first request.
   void observeConnections(std::function<ConnectionCounts()> counts) { connections_ = std::move(counts); }
   /// From now on not ready, and answers end their connections, so that balancers turn elsewhere; work is
-  /// still taken.
-  void announceEnd() { ending_ = true; }
+  /// still taken. The job under way stops at once; it goes on with the next start.
+  void announceEnd();
   /// The same, and no new work is taken; what is under way goes on.
-  void drain() { ending_ = draining_ = true; }
+  void drain() {
+    announceEnd();
+    draining_ = true;
+  }
   /// Ends what is under way.
   void cancelAll() { *shuttingDown_ = true; }
-  /// Threads that can be blocked by rendering and waiting for it.
-  unsigned blockingRequests() const { return options_.slots + options_.waiting; }
+  /// Threads that can be blocked by rendering, by waiting for it, and by waiting for news of jobs.
+  unsigned blockingRequests() const {
+    return options_.slots + options_.waiting + (comparisons_ ? kMostWatchers : 0);
+  }
 
 private:
   /// Where a request goes.
@@ -67,6 +73,7 @@ private:
   std::atomic<bool> ending_ = false, draining_ = false;
   const std::shared_ptr<std::atomic<bool>> shuttingDown_ = std::make_shared<std::atomic<bool>>(false);
   std::atomic<std::uint64_t> requests_;
+  std::unique_ptr<Comparisons> comparisons_; ///< none without a folder for them; ends before the parts
 };
 
 } // namespace chamfer::http

@@ -2,7 +2,8 @@
 // route, parameter and limit in it answers as it says:
 //   node tests/browser/openapi.test.mjs --chamferd PATH --chamferprep PATH --data FOLDER
 import assert from 'node:assert/strict';
-import { copyFileSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { parseArgs } from 'node:util';
@@ -11,7 +12,7 @@ import { Validator } from '@seriousme/openapi-schema-validator';
 import Ajv2020 from 'ajv/dist/2020.js';
 import gltf from 'gltf-validator';
 
-import { ask } from '../support/http.mjs';
+import { ask, sleep } from '../support/http.mjs';
 import { makeRoot, startServer } from '../support/server.mjs';
 import { around, probesOf } from './probes.mjs';
 
@@ -21,6 +22,7 @@ const { values: paths } = parseArgs({
 const KEY = '0123456789abcdef';
 
 let root;
+let jobs;
 let server;
 let doc;
 let info;
@@ -32,17 +34,22 @@ before(async () => {
   // A scene that can never be ready: its mesh is not the one that its sidecar was made for.
   copyFileSync(join(root.root, 'solids/cube.obj'), join(root.root, 'stale.obj'));
   copyFileSync(join(root.root, 'solids/octahedron.obj.chamfer'), join(root.root, 'stale.obj.chamfer'));
-  server = await startServer(paths.chamferd, root.root);
+  jobs = mkdtempSync(join(tmpdir(), 'chamfer-jobs-'));
+  server = await startServer(paths.chamferd, root.root, 0, ['--jobs', jobs]);
   [doc, info, scene] = await Promise.all(
     ['openapi.json', 'info', 'scenes/solids%2Fcube'].map(async (path) => (await send(`/v1/${path}`)).json),
   );
   ajv = new Ajv2020({ strict: false, allErrors: true });
   ajv.addSchema({ $id: 'doc:', ...doc });
+  EXAMPLE.job = await submitted('finished');
+  for (let state = ''; state !== 'done'; await sleep(50))
+    state = (await send(`/v1/comparisons/${EXAMPLE.job}`)).json.state;
 });
 
 after(async () => {
   await server?.stop();
   root?.remove();
+  if (jobs) rmSync(jobs, { recursive: true, force: true });
 });
 
 /** One request: {status, headers, body, json}; json is null where there is none. */
@@ -75,6 +82,8 @@ function assertDocumented(answer, operation, method, what) {
 
 const EXAMPLE = { width: 64, height: 48, x: 0, y: 0, w: 1, h: 1, s0: 0, s1: 1, format: 'png', file: '' };
 const RAYS = { rays: [[3, -3, 0.1, -1, 1, 0]] };
+const CASE = { a: 'solids/cube', b: 'solids/cube?rounding=none', width: 16, height: 16, samples: 1, seeds: 1 };
+const suiteOf = (...cases) => ({ schema: 'chamfer.cases/1', cases: cases.map((one, i) => ({ name: `${i}`, ...one })) });
 
 /** The path of a template; `values` go before the examples. */
 const fill = (template, values = {}) =>
@@ -85,6 +94,16 @@ const jsonBody = (body) => ({
   headers: { 'Content-Type': 'application/json' },
   body: typeof body === 'string' ? body : JSON.stringify(body),
 });
+
+/** What is posted to a path. */
+const bodyFor = (template) => jsonBody(template === '/v1/comparisons' ? suiteOf({ ...CASE, name: 'finished' }) : RAYS);
+
+/** Resolves to the id of a new comparison. */
+async function submitted(name) {
+  const { status, json } = await send('/v1/comparisons', jsonBody(suiteOf({ ...CASE, name })));
+  assert.equal(status, 202);
+  return json.id;
+}
 
 async function assertProblem(answer, status, parameter, what) {
   assert.equal(answer.status, status, `${what}: ${answer.body}`);
@@ -114,16 +133,17 @@ test('every operation answers as documented, every other method is refused', asy
     for (const method of ['GET', 'HEAD', 'OPTIONS', 'POST', 'PUT', 'DELETE', 'PATCH']) {
       const operation = operations[method.toLowerCase()];
       const what = `${method} ${template}`;
-      const answer = await send(fill(template), method === 'POST' ? jsonBody(RAYS) : { method });
+      const gone = method === 'DELETE' && operation ? { job: await submitted('to go') } : {};
+      const answer = await send(fill(template, gone), method === 'POST' ? bodyFor(template) : { method });
       if (!operation) {
         await assertProblem(answer, 405, '', what);
         continue;
       }
-      assert.equal(answer.status, method === 'OPTIONS' ? 204 : 200, what);
+      assert.equal(answer.status, ['OPTIONS', 'DELETE'].includes(method) ? 204 : 200, what);
       assertDocumented(answer, operation, method, what);
       if (answer.headers.etag && method === 'GET') {
         const again = await send(fill(template), { headers: { 'If-None-Match': answer.headers.etag } });
-        const changing = again.status === 200 && template === '/v1/info'; // its figures move
+        const changing = again.status === 200 && ['/v1/info', '/v1/comparisons'].includes(template); // figures move
         if (!changing) assert.equal(again.status, 304, what);
         assertDocumented(again, operation, method, what);
       }
@@ -258,6 +278,42 @@ test('the body of a batch of rays is read as documented', async () => {
   await assertProblem(untyped, 415, '', 'no content type');
 });
 
+test('suites are read as documented', async () => {
+  const rect = [0, 0, 8, 8];
+  const good = [
+    CASE,
+    { ...CASE, crop: rect, only: [rect], except: [[9, 9, 1, 1]] },
+    { ...CASE, limits: { mae: 1, flip: 0.5 }, tolerance: { absolute: 0.1, relative: 0 }, seconds: 1 },
+    { ...CASE, seeds: 16, statistics: { significance: 0.02, tolerance: { pixel: 1 }, resolution: { image: 1 } } },
+    { ...CASE, seeds: 16, statistics: true },
+  ];
+  const bad = [
+    { ...CASE, frobnicate: 1 },
+    { ...CASE, a: undefined },
+    { ...CASE, width: 0 },
+    { ...CASE, height: 65537 },
+    { ...CASE, samples: 1.5 },
+    { ...CASE, seeds: 4097 },
+    { ...CASE, crop: [0, 0, 8] },
+    { ...CASE, limits: { mae: -1 } },
+    { ...CASE, tolerance: { pixel: 1 } },
+    { ...CASE, seeds: 16, statistics: { significance: 0.6 } },
+    { ...CASE, seeds: 16, statistics: { resolution: { voxel: 1 } } },
+  ];
+  const valid = (body) => ajv.validate('doc:#/components/schemas/Suite', JSON.parse(JSON.stringify(body)));
+  const post = (body) => send('/v1/comparisons', jsonBody(body));
+  for (const one of good) {
+    const answer = await post(suiteOf(one));
+    assert.ok([200, 202].includes(answer.status), `${answer.body}`);
+    assertDocumented(answer, doc.paths['/v1/comparisons'].post, 'POST', 'a suite');
+    assert.ok(valid(suiteOf(one)), `${JSON.stringify(one)}: ${ajv.errorsText()}`);
+  }
+  for (const body of [...bad.map((one) => suiteOf(one)), suiteOf(), { ...suiteOf(CASE), schema: 'chamfer.cases/2' }]) {
+    await assertProblem(await post(body), 400, '', JSON.stringify(body));
+    assert.ok(!valid(body), JSON.stringify(body));
+  }
+});
+
 test('the limits of /v1/info are those of the document and of the server', async () => {
   const { limits } = info;
   const documented = doc.components.schemas.Info.properties.limits.properties;
@@ -294,8 +350,9 @@ test('the limits of /v1/info are those of the document and of the server', async
     ],
   };
   // Tested where it takes no large scene, or a server of its own: server_test, image_route_test, preview_test,
-  // hardening_test.
-  const elsewhere = ['deadline_seconds', 'connections', 'preview_bytes', 'explicit_triangles'];
+  // hardening_test, comparisons_test.
+  const elsewhere = ['deadline_seconds', 'connections', 'preview_bytes', 'explicit_triangles', 'suite_bytes', 'cases'];
+  elsewhere.push('comparison_pixels', 'comparison_samples', 'comparison_file_bytes');
   assert.deepEqual([...Object.keys(probes), ...elsewhere].sort(), Object.keys(limits).sort());
   for (const [name, [request, inside, outside, status]] of Object.entries(probes)) {
     assert.equal((await request(inside)).status, 200, name);

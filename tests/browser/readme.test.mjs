@@ -27,8 +27,8 @@ let folder;
 
 before(async () => {
   root = makeRoot(paths.chamferprep, paths.data);
-  server = await startServer(paths.chamferd, root.root);
   folder = mkdtempSync(join(tmpdir(), 'chamfer-readme-'));
+  server = await startServer(paths.chamferd, root.root, 0, ['--jobs', join(folder, 'jobs')]);
 });
 
 after(async () => {
@@ -56,6 +56,7 @@ test('every example ends well and does what it says', async () => {
   assert.match(all, /^blocks {2}\d+ triangles, radius below 0\.\d+$/m);
   assert.match(all, /"feature": "cylinder"/);
   assert.match(all, /"parameters":/);
+  assert.match(all, /^sharp differs: /m);
   assert.match(all, /^\/v1\/openapi\.json$/m);
   assert.match(all, /^chamfer_rays_total\{kind="camera"\} [1-9]/m);
   assert.equal(readFileSync(join(folder, 'blocks.glb')).subarray(0, 4).toString('latin1'), 'glTF');

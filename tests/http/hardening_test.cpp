@@ -29,6 +29,11 @@
 // - too much memory: Hardening.RoundingsBeyondTheLimitAreRefusedBeforeTheyAreBuilt, PreparedCacheTest,
 //   Reload.ScenesBeyondTheMemoryAreRefusedWithTheNumbers
 // - coordinates that end Embree: Rays.LargestNumbersDoNoHarm, FarRays
+// - images of comparisons outside of the served folder, pictures that unpack to gigabytes, jobs without end:
+//   Comparisons.FilesOutsideOrHiddenAreNotThere, .LargeFilesAndPicturesAreRefused,
+//   .BadBodiesAreRefusedWithTheirPlace
+// - jobs that crowd out people at the page: tests/load/jobs_beside_viewers.mjs, RenderQueue.Background*
+// - jobs that end the server: JobResume.AJobThatEndsItsServerAgainAndAgainIsGivenUp
 // - forged log lines: Log.ValuesCannotForgeALine
 #include "tests/http/server_fixture.h"
 

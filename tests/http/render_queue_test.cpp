@@ -155,5 +155,57 @@ TEST(RenderQueue, NeverRunsMoreThanItsSlots) {
   EXPECT_EQ(queue.state().waiting, 0u);
 }
 
+TEST(RenderQueue, BackgroundHasAPlaceBesideTheSlots) {
+  RenderQueue queue(1, 0);
+  const auto background = queue.acquireBackground(milliseconds(0), kNever);
+  EXPECT_TRUE(queue.state().background);
+  EXPECT_EQ(queue.state().running, 0u);
+  const auto slot = queue.acquire("a", kNever); // at once, although there is but one
+  EXPECT_EQ(queue.state().running, 1u);
+}
+
+TEST(RenderQueue, BackgroundWaitsForRequestsToEnd) {
+  RenderQueue queue(2, 4);
+  auto slot = std::make_optional(queue.acquire("a", kNever));
+  std::atomic<bool> let = false;
+  std::jthread background([&] {
+    const auto place = queue.acquireBackground(std::chrono::minutes(1), kNever);
+    let = true;
+  });
+  std::this_thread::sleep_for(milliseconds(100));
+  EXPECT_FALSE(let) << "one slot is free, but a request is being rendered";
+  EXPECT_EQ(queue.state().waiting, 0u) << "it takes no place from requests";
+  slot.reset();
+  waitFor([&] { return let.load(); });
+}
+
+TEST(RenderQueue, BackgroundDoesNotStarve) {
+  RenderQueue queue(1, 4);
+  const auto slot = queue.acquire("a", kNever);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto place = queue.acquireBackground(milliseconds(150), kNever);
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(150));
+}
+
+TEST(RenderQueue, BackgroundIsOneAtATimeAndCanBeCancelled) {
+  RenderQueue queue(2, 4);
+  auto first = std::make_optional(queue.acquireBackground(milliseconds(0), kNever));
+  std::atomic<bool> cancelled = false, left = false;
+  std::jthread second([&] {
+    try {
+      const auto place = queue.acquireBackground(milliseconds(0), [&] { return cancelled.load(); });
+    } catch (const Error& error) {
+      left = error.kind() == ErrorKind::Cancelled;
+    }
+  });
+  std::this_thread::sleep_for(milliseconds(100));
+  EXPECT_FALSE(left);
+  cancelled = true;
+  waitFor([&] { return left.load(); });
+  first.reset();
+  EXPECT_FALSE(queue.state().background);
+  EXPECT_NO_THROW(queue.acquireBackground(milliseconds(0), kNever));
+}
+
 } // namespace
 } // namespace chamfer::http

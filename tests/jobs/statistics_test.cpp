@@ -1,6 +1,7 @@
 // The three answers of the statistics, on made-up noise whose truth is known.
 #include "server/jobs/statistics/statistics.h"
 
+#include "common/error.h"
 #include "tests/jobs/picture_of.h"
 
 #include <gtest/gtest.h>
@@ -87,6 +88,17 @@ TEST(SeedTest, ToleratesWhatItIsToldTo) {
   EXPECT_NE(compare(choice, 4, brighter), Outcome::Differs);
   choice.tolerance = {0, 0, 0.005};
   EXPECT_EQ(compare(choice, 4, brighter), Outcome::Differs);
+}
+
+TEST(SeedTest, JudgingCanBeCancelled) {
+  std::mt19937_64 random(6);
+  const auto test = signFlipTest(wholeRegion(), 3, StatisticsChoice(), false);
+  for (unsigned n = 0; n < kFirstLook; ++n)
+    test->add(noise(random, 1), noise(random, 1));
+  for (const unsigned threads : {1u, 3u}) {
+    EXPECT_THROW(test->judge(threads, [] { return true; }), Error);
+    EXPECT_EQ(test->judge(threads, [] { return false; }).seeds, kFirstLook);
+  }
 }
 
 TEST(ReferenceTest, KnowsTheNoiseOfBothSides) {

@@ -95,6 +95,9 @@ void readServer(const MetricsNow& now, Readings& out) {
             now.outdatedScenes);
   out.gauge("chamfer_scene_bytes", "Memory of all scenes as loaded", now.sceneBytes);
   out.gauge("chamfer_scene_limit_bytes", "Limit of that memory", now.sceneLimit);
+  out.begin("chamfer_comparisons", "Comparisons that have not ended, by state");
+  out.put(now.queuedComparisons, {{"state", "queued"}});
+  out.put(now.runningComparisons, {{"state", "running"}});
   out.gauge("chamfer_connections_open", "Open connections", now.connections.open);
   out.gauge("chamfer_connections_busy", "Of these, with a request being handled or an answer being written",
             now.connections.busy);

@@ -32,6 +32,7 @@ struct MetricsNow {
   std::array<std::size_t, kSceneStates> scenes{}; ///< by SceneState
   std::size_t outdatedScenes = 0, sceneBytes = 0, sceneLimit = 0;
   ConnectionCounts connections{};
+  unsigned queuedComparisons = 0, runningComparisons = 0;
   bool draining = false;
 };
 

@@ -52,6 +52,32 @@ RenderQueue::Slot RenderQueue::acquire(const std::string& client, const std::fun
   throw ProblemError(problem);
 }
 
+RenderQueue::BackgroundPlace::~BackgroundPlace() {
+  if (queue_) queue_->releaseBackground();
+}
+
+RenderQueue::BackgroundPlace RenderQueue::acquireBackground(std::chrono::milliseconds patience,
+                                                            const std::function<bool()>& cancelled) {
+  const auto end = std::chrono::steady_clock::now() + patience;
+  std::unique_lock lock(mutex_);
+  const auto mayGo = [&] {
+    if (background_) return false;
+    return (running_.empty() && waiting_.empty()) || std::chrono::steady_clock::now() >= end;
+  };
+  while (!mayGo()) {
+    if (cancelled()) throw Error(ErrorKind::Cancelled, "cancelled while it waited for requests to end");
+    wake_.wait_for(lock, kPoll);
+  }
+  background_ = true;
+  return BackgroundPlace(this);
+}
+
+void RenderQueue::releaseBackground() noexcept {
+  const std::lock_guard lock(mutex_);
+  background_ = false;
+  wake_.notify_all();
+}
+
 bool RenderQueue::makeRoomFor(const std::string& client) {
   std::map<std::string_view, std::size_t> waits;
   for (const Ticket& ticket : waiting_)
@@ -88,6 +114,7 @@ void RenderQueue::release(Tickets::iterator ticket, double seconds) noexcept {
   running_.erase(ticket);
   meanSeconds_ += 0.1 * (seconds - meanSeconds_);
   grantNext();
+  if (running_.empty()) wake_.notify_all(); // who waits in the background
 }
 
 int RenderQueue::retryAfterSeconds() const {
@@ -97,8 +124,9 @@ int RenderQueue::retryAfterSeconds() const {
 
 RenderQueue::State RenderQueue::state() const {
   const std::lock_guard lock(mutex_);
-  return {slots_, static_cast<unsigned>(running_.size()), places_, static_cast<unsigned>(waiting_.size()),
-          retryAfterSeconds()};
+  return {slots_,      static_cast<unsigned>(running_.size()),
+          places_,     static_cast<unsigned>(waiting_.size()),
+          background_, retryAfterSeconds()};
 }
 
 } // namespace chamfer::http

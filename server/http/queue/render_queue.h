@@ -1,6 +1,9 @@
 // Admission to rendering: a number of slots, and a bounded number of requests that wait for one. A freed slot
 // goes to the client that holds the fewest, and where all places are taken the client with the most of them
 // gives one up, so that one client with many requests does not shut out the others.
+//
+// Work in the background (jobs) has a place of its own beside the slots, and takes none from requests: it is
+// let in while nothing is rendered and nothing waits, or after some patience, so that it does not starve.
 #pragma once
 
 #include <chrono>
@@ -10,6 +13,7 @@
 #include <list>
 #include <mutex>
 #include <string>
+#include <utility>
 
 namespace chamfer::http {
 
@@ -47,8 +51,28 @@ public:
   /// within a tenth of a second after `cancelled` has turned true.
   Slot acquire(const std::string& client, const std::function<bool()>& cancelled);
 
+  /// The one place for work in the background, until it is destroyed.
+  class BackgroundPlace {
+  public:
+    BackgroundPlace(BackgroundPlace&& other) noexcept : queue_(std::exchange(other.queue_, nullptr)) {}
+    BackgroundPlace(const BackgroundPlace&) = delete;
+    BackgroundPlace& operator=(const BackgroundPlace&) = delete;
+    ~BackgroundPlace();
+
+  private:
+    friend class RenderQueue;
+    explicit BackgroundPlace(RenderQueue* queue) noexcept : queue_(queue) {}
+    RenderQueue* queue_;
+  };
+  /// Blocks until nothing is rendered and nothing waits, `patience` at most, and until the place is free.
+  /// What is done with it should be short and of low priority: requests do not wait for it, they take the
+  /// cores from it. Throws Error(Cancelled) as acquire().
+  BackgroundPlace acquireBackground(std::chrono::milliseconds patience,
+                                    const std::function<bool()>& cancelled);
+
   struct State {
     unsigned slots, running, places, waiting;
+    bool background;       ///< work in the background goes on
     int retryAfterSeconds; ///< estimate of when a slot will be free for one more
   };
   State state() const;
@@ -57,6 +81,7 @@ private:
   bool makeRoomFor(const std::string& client);
   void grantNext() noexcept;
   void release(Tickets::iterator ticket, double seconds) noexcept;
+  void releaseBackground() noexcept;
   int retryAfterSeconds() const;
 
   const unsigned slots_, places_;
@@ -66,7 +91,8 @@ private:
   // give it back cannot fail.
   Tickets waiting_; ///< in order of arrival
   Tickets running_;
-  Tickets displaced_;        ///< whoever waits behind one has not been told yet
+  Tickets displaced_; ///< whoever waits behind one has not been told yet
+  bool background_ = false;
   double meanSeconds_ = 0.1; ///< moving mean of how long a slot is held
 };
 

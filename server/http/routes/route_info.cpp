@@ -1,3 +1,4 @@
+#include "server/http/comparisons/comparisons.h"
 #include "server/http/routes/routes.h"
 #include "server/http/schema/limits.h"
 #include "server/http/schema/openapi.h"
@@ -29,7 +30,7 @@ Response openApiRoute(const Parts& parts, const Request& request) {
   return cacheable(request, document.dump(1) + "\n", "application/json", "no-cache");
 }
 
-Response infoRoute(const Parts& parts, const Request& request) {
+Response infoRoute(const Parts& parts, const Comparisons* comparisons, const Request& request) {
   const RenderQueue::State queue = parts.queue.state();
   const PreparedCache::State cache = parts.cache.state();
   Json info{{"name", "chamferd"}, {"version", kVersion}, {"ray_instruction_set", rayInstructionSet()}};
@@ -51,6 +52,14 @@ Response infoRoute(const Parts& parts, const Request& request) {
   info["prepared_scenes"] = {{"count", cache.entries},     {"bytes", cache.bytes},
                              {"limit_bytes", cache.limit}, {"hits", cache.hits},
                              {"builds", cache.builds},     {"evictions", cache.evictions}};
+  info["comparisons"] = nullptr;
+  if (comparisons) {
+    const Comparisons::State jobs = comparisons->state();
+    info["comparisons"] = {{"queued", jobs.queued},
+                           {"running", jobs.running},
+                           {"places", jobs.places},
+                           {"limit_bytes", jobs.limitBytes}};
+  }
   return cacheable(request, info.dump() + "\n", "application/json", "no-store");
 }
 

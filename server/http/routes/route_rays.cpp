@@ -41,20 +41,10 @@ void trace(const Tracer& tracer, const RayList& list, std::vector<std::optional<
   if (stopped) throw Error(ErrorKind::Cancelled, "cancelled while its rays were traced");
 }
 
-void checkContentType(const Request& request) {
-  const std::string* type = request.header("content-type");
-  std::string_view word = type ? std::string_view(*type) : std::string_view();
-  word = word.substr(0, word.find(';'));
-  while (word.ends_with(' '))
-    word.remove_suffix(1);
-  if (word != "application/json")
-    throw ProblemError(unsupportedMedia("the body must be JSON and say so: Content-Type: application/json"));
-}
-
 } // namespace
 
 Response raysRoute(const Parts& parts, const Request& request, const CatalogueEntry& entry) {
-  checkContentType(request);
+  requireJson(request);
   if (!request.query.empty())
     throw ProblemError(badRequest(
         "this resource takes no query; rounding, radius, radius_clamp and tnear are keys of the body"));

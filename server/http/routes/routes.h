@@ -4,9 +4,11 @@
 
 #include "server/http/catalogue/catalogue.h"
 #include "server/http/catalogue/prepared_cache.h"
+#include "server/http/comparisons/job_options.h"
 #include "server/http/connection/message.h"
 #include "server/http/monitoring/metrics.h"
 #include "server/http/queue/render_queue.h"
+#include "server/http/routes/route_table.h"
 #include "server/http/routes/static_files.h"
 
 #include <chrono>
@@ -27,7 +29,10 @@ struct ServiceOptions {
   std::vector<std::string> hosts{};              ///< names in Host that are answered; empty: all
   unsigned connections = 512;
   bool behindProxy = false; ///< X-Forwarded-For is a proxy's word for who the client is
+  JobOptions jobs{};
 };
+
+class Comparisons;
 
 /// The parts that routes work with; owned by the Service.
 struct Parts {
@@ -46,7 +51,7 @@ inline constexpr const char* kForever = "public, max-age=31536000, immutable";
 /// GET /v1/openapi.json
 Response openApiRoute(const Parts& parts, const Request& request);
 /// GET /v1/info
-Response infoRoute(const Parts& parts, const Request& request);
+Response infoRoute(const Parts& parts, const Comparisons* comparisons, const Request& request);
 /// GET /v1/scenes
 Response scenesRoute(const Parts& parts, const Request& request);
 /// GET /v1/scenes/{scene}
@@ -62,6 +67,8 @@ Response previewRoute(const Parts& parts, const Request& request, const Catalogu
                       const std::string& scene);
 /// POST /v1/scenes/{scene}/rays
 Response raysRoute(const Parts& parts, const Request& request, const CatalogueEntry& entry);
+/// Everything under /v1/comparisons; `comparisons`: nullptr: the server takes none.
+Response comparisonRoute(Comparisons* comparisons, const RouteRow& row, const Request& request);
 /// GET of the page's files. Throws ProblemError (404).
 Response fileRoute(const StaticFiles& files, const Request& request, const std::string& path);
 
@@ -81,6 +88,8 @@ Response redirectToId(const Request& request, const Scene& scene, const std::str
 /// it already. Throws ProblemError (412) when If-Match asks for another one.
 Response taggedAnswer(const Request& request, const std::string& etag, const char* contentType,
                       const char* cacheControl);
+/// Throws ProblemError (415) unless the body says that it is JSON.
+void requireJson(const Request& request);
 /// 200 with `body`, or 304 when the client has it already. The ETag is the body's digest.
 Response cacheable(const Request& request, std::string body, const char* contentType,
                    const char* cacheControl);

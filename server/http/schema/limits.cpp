@@ -14,6 +14,12 @@ constexpr LimitRow kLimits[] = {
     {"head_bytes", kMaxHeadBytes, "of a request's head"},
     {"header_fields", kMaxHeaderFields, "of a request's head"},
     {"target_bytes", kMaxTargetBytes, "of a request's path and query"},
+    {"suite_bytes", kMaxSuiteBytes, "of the suite of a job of comparisons"},
+    {"cases", kMaxCases, "of one job of comparisons"},
+    {"comparison_pixels", kMaxComparisonPixels, "compared by all cases of one job together"},
+    {"comparison_samples", kMaxComparisonSamples,
+     "pixels times samples times seeds of both sides, of all cases of one job together"},
+    {"comparison_file_bytes", kMaxComparisonFileBytes, "of an image or a mask that a case names"},
     {"preview_bytes", kMaxPreviewBytes, "of a scene's preview.glb; larger ones are not made"},
 };
 

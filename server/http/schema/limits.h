@@ -17,6 +17,13 @@ inline constexpr std::size_t kMaxHeaderFields = 100;
 /// Of preview.glb.
 inline constexpr std::size_t kMaxPreviewBytes = 32u << 20;
 
+/// Of one job of comparisons: its suite, its cases and what they ask for together.
+inline constexpr std::size_t kMaxSuiteBytes = 1u << 20;
+inline constexpr std::size_t kMaxCases = 64;
+inline constexpr std::uint64_t kMaxComparisonPixels = std::uint64_t{1} << 22;
+inline constexpr std::uint64_t kMaxComparisonSamples = std::uint64_t{1} << 34;
+inline constexpr std::size_t kMaxComparisonFileBytes = 64u << 20;
+
 struct LimitRow {
   std::string_view name; ///< its unit is the last word
   std::uint64_t value;

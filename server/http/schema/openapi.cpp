@@ -153,16 +153,32 @@ Json parametersOf(const RouteRow& route) {
                       {"required", true},
                       {"description", "a file of the page; none: index.html"},
                       {"schema", {{"type", "string"}}}});
+    else if (name == "job")
+      list.push_back({{"name", "job"},
+                      {"in", "path"},
+                      {"required", true},
+                      {"description", "id of a comparison, hexadecimal"},
+                      {"schema", {{"type", "string"}, {"minLength", 32}, {"maxLength", 32}}}});
     else
       list.push_back(parameter(parameterRow(name), "path", route));
   }
   if (route.takes == "query")
     for (const ParameterRow& row : parameterRows())
       if (row.standsIn("query")) list.push_back(parameter(row, "query", route));
+  if (route.id == RouteId::ComparisonEvents)
+    list.push_back({{"name", "Last-Event-ID"},
+                    {"in", "header"},
+                    {"description", "id of the event that is known; none: the state as it is comes at once"},
+                    {"schema", {{"type", "string"}}}});
   return list;
 }
 
-Json bodyOf() {
+Json jsonBody(Json schema) {
+  return {{"required", true}, {"content", {{"application/json", {{"schema", std::move(schema)}}}}}};
+}
+
+Json bodyOf(const RouteRow& route) {
+  if (route.takes == "suite") return jsonBody({{"$ref", "#/components/schemas/Suite"}});
   Json schema{{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}};
   for (const ParameterRow& row : parameterRows()) {
     if (!row.standsIn("body")) continue;
@@ -173,7 +189,7 @@ Json bodyOf() {
     if (row.fallback.empty()) schema["required"].push_back(row.name);
   }
   schema["additionalProperties"] = false;
-  return {{"required", true}, {"content", {{"application/json", {{"schema", schema}}}}}};
+  return jsonBody(std::move(schema));
 }
 
 Json headersOf(const RouteRow& route) {
@@ -199,7 +215,7 @@ Json responsesOf(const RouteRow& route, const std::string& method) {
   for (const std::string& status : sorted) {
     if (method == "OPTIONS" && status < "400") continue;
     Json response;
-    if (status == "200") {
+    if (status == "200" || status == "202") {
       response = {{"description", route.about}, {"headers", headersOf(route)}};
       for (const std::string& type : words(route.produces))
         if (method != "HEAD")
@@ -207,6 +223,8 @@ Json responsesOf(const RouteRow& route, const std::string& method) {
               route.schema.empty()
                   ? Json::object()
                   : Json{{"schema", {{"$ref", "#/components/schemas/" + std::string(route.schema)}}}};
+    } else if (status == "204") {
+      response = {{"description", route.about}};
     } else if (status == "304") {
       response = {{"description", "If-None-Match names the ETag"}};
     } else if (status == "307") {
@@ -229,7 +247,7 @@ Json operation(const RouteRow& route, const std::string& method, bool keys) {
     id += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
   Json json{{"operationId", id}, {"summary", route.about}, {"parameters", parametersOf(route)}};
   if (method == "OPTIONS") json["summary"] = "which methods it answers";
-  if (method == "POST") json["requestBody"] = bodyOf();
+  if (method == "POST") json["requestBody"] = bodyOf(route);
   if (keys && route.needsKey)
     json["security"] = Json::array({{{"bearer", Json::array()}}, {{"header", Json::array()}}});
   json["responses"] = responsesOf(route, method);

@@ -25,7 +25,7 @@ constexpr const char* kSchemas = R"json({
     "request_id": {"type": "string"}}},
 "Info": {
   "type": "object", "additionalProperties": false,
-  "required": ["name", "version", "ray_instruction_set", "formats", "limits", "parameters", "queue", "prepared_scenes"],
+  "required": ["name", "version", "ray_instruction_set", "formats", "limits", "parameters", "queue", "prepared_scenes", "comparisons"],
   "properties": {
     "name": {"const": "chamferd"},
     "version": {"type": "string"},
@@ -52,7 +52,14 @@ constexpr const char* kSchemas = R"json({
       "properties": {
         "count": {"type": "integer", "minimum": 0}, "bytes": {"type": "integer", "minimum": 0},
         "limit_bytes": {"type": "integer", "minimum": 0}, "hits": {"type": "integer", "minimum": 0},
-        "builds": {"type": "integer", "minimum": 0}, "evictions": {"type": "integer", "minimum": 0}}}}},
+        "builds": {"type": "integer", "minimum": 0}, "evictions": {"type": "integer", "minimum": 0}}},
+    "comparisons": {
+      "type": ["object", "null"], "additionalProperties": false, "required": ["queued", "running", "places", "limit_bytes"],
+      "description": "null: the server takes none (--jobs)",
+      "properties": {
+        "queued": {"type": "integer", "minimum": 0}, "running": {"type": "integer", "minimum": 0},
+        "places": {"type": "integer", "minimum": 1, "description": "jobs that may wait or run"},
+        "limit_bytes": {"type": "integer", "minimum": 0, "description": "of all jobs' files"}}}}},
 "Radius": {
   "type": ["object", "null"], "additionalProperties": false, "required": ["current", "max"],
   "properties": {
@@ -124,6 +131,72 @@ constexpr const char* kSchemas = R"json({
         "seconds": {"type": "number", "minimum": 0},
         "memory_bytes": {"type": "integer", "minimum": 1},
         "files": {"type": "array", "items": {"type": "string"}, "description": "names below the served folder; the scene is loaded again when one changes"}}}}},
+"Rect": {"type": "array", "description": "x, y, width, height", "minItems": 4, "maxItems": 4,
+         "items": {"type": "integer", "minimum": 0, "maximum": 65536}},
+"PerLevel": {
+  "type": "object", "additionalProperties": false, "description": "relative to the brightness",
+  "properties": {"pixel": {"type": "number", "minimum": 0}, "block": {"type": "number", "minimum": 0}, "image": {"type": "number", "minimum": 0}}},
+"CaseKeys": {
+  "type": "object",
+  "properties": {
+    "width": {"type": "integer", "minimum": 1, "maximum": 65536}, "height": {"type": "integer", "minimum": 1, "maximum": 65536},
+    "samples": {"type": "integer", "minimum": 1, "maximum": 1048576, "description": "of each pixel, of every seed"},
+    "seeds": {"type": "integer", "minimum": 1, "maximum": 4096, "description": "the budget"},
+    "seconds": {"type": "number", "minimum": 0, "description": "the budget in time; 0: none"},
+    "crop": {"$ref": "#/components/schemas/Rect"},
+    "mask": {"type": "string", "description": "an image below the served folder"},
+    "only": {"type": "array", "items": {"$ref": "#/components/schemas/Rect"}},
+    "except": {"type": "array", "items": {"$ref": "#/components/schemas/Rect"}},
+    "tolerance": {"type": "object", "additionalProperties": false, "properties": {"absolute": {"type": "number", "minimum": 0}, "relative": {"type": "number", "minimum": 0}}},
+    "limits": {"type": "object", "additionalProperties": {"type": "number", "minimum": 0}},
+    "statistics": {"anyOf": [{"type": "boolean"}, {
+      "type": "object", "additionalProperties": false,
+      "properties": {
+        "significance": {"type": "number", "minimum": 1e-6, "maximum": 0.5},
+        "tolerance": {"$ref": "#/components/schemas/PerLevel"}, "resolution": {"$ref": "#/components/schemas/PerLevel"}}}]}}},
+"Suite": {
+  "type": "object", "additionalProperties": false, "required": ["schema", "cases"],
+  "properties": {
+    "schema": {"const": "chamfer.cases/1"},
+    "defaults": {"allOf": [{"$ref": "#/components/schemas/CaseKeys"}], "unevaluatedProperties": false},
+    "cases": {"type": "array", "minItems": 1, "maxItems": 64, "items": {
+      "allOf": [{"$ref": "#/components/schemas/CaseKeys"}], "unevaluatedProperties": false, "required": ["name", "a", "b"],
+      "properties": {
+        "name": {"type": "string"},
+        "a": {"type": "string", "description": "what is judged: a scene's name or id with ?parameters, a tile's URL, an image below the served folder"},
+        "b": {"type": "string", "description": "what it is judged by: the same, or digest:HEX"}}}}}},
+"Outcome": {"enum": ["same", "differs", "cannot-tell", "error", null]},
+"JobProgress": {
+  "type": ["object", "null"], "additionalProperties": false, "required": ["case", "cases", "name", "seeds", "most_seeds"],
+  "description": "null: nothing is worked on",
+  "properties": {
+    "case": {"type": "integer", "minimum": 0, "description": "the one under way, from 0"}, "cases": {"type": "integer", "minimum": 1},
+    "name": {"type": "string"},
+    "seeds": {"type": "integer", "minimum": 0, "description": "done of the case"},
+    "most_seeds": {"type": "integer", "minimum": 0, "description": "that its budget allows"}}},
+"JobFacts": {
+  "type": "object", "required": ["id", "state", "created", "finished", "outcome", "detail", "node", "progress", "links"],
+  "properties": {
+    "id": {"$ref": "#/components/schemas/Id"},
+    "state": {"enum": ["queued", "running", "done", "cancelled", "failed"]},
+    "created": {"type": "string", "description": "UTC"},
+    "finished": {"type": ["string", "null"], "description": "UTC"},
+    "outcome": {"$ref": "#/components/schemas/Outcome"},
+    "detail": {"type": ["string", "null"], "description": "why it failed"},
+    "node": {"type": ["string", "null"], "description": "the process that works on it"},
+    "progress": {"$ref": "#/components/schemas/JobProgress"},
+    "links": {
+      "type": "object", "additionalProperties": false, "required": ["self", "events", "suite", "result", "report", "junit"],
+      "properties": {
+        "self": {"type": "string"}, "events": {"type": "string"}, "suite": {"type": "string"},
+        "result": {"type": ["string", "null"]}, "report": {"type": ["string", "null"]}, "junit": {"type": ["string", "null"]}}}}},
+"Comparison": {
+  "allOf": [{"$ref": "#/components/schemas/JobFacts"}], "unevaluatedProperties": false, "required": ["cases"],
+  "properties": {
+    "cases": {"type": "array", "items": {
+      "type": "object", "additionalProperties": false, "required": ["name", "outcome", "reason"],
+      "properties": {"name": {"type": "string"}, "outcome": {"$ref": "#/components/schemas/Outcome"}, "reason": {"type": ["string", "null"]}}}}}},
+"ComparisonList": {"type": "array", "items": {"allOf": [{"$ref": "#/components/schemas/JobFacts"}], "unevaluatedProperties": false}},
 "Hit": {
   "type": ["object", "null"], "additionalProperties": false, "description": "null: a miss",
   "required": ["t", "position", "normal", "feature", "instance", "solid", "triangle"],

@@ -247,7 +247,7 @@ private:
   }
 
   StatisticsResult statisticsOf(const SeedTest& test) const {
-    StatisticsResult result = test.judge(control_.threads);
+    StatisticsResult result = test.judge(control_.threads, control_.cancelled);
     if (!a_.isRender()) // the test's first side is the render
       for (LevelResult& level : result.levels)
         std::swap(level.a, level.b);

@@ -83,7 +83,7 @@ public:
     ++seeds_;
   }
 
-  StatisticsResult judge(unsigned) const override {
+  StatisticsResult judge(unsigned, const std::function<bool()>&) const override {
     StatisticsResult result;
     const bool noisy = !levels_[0].image.variance.empty();
     result.method =

@@ -2,7 +2,10 @@
 // the seeds' differences D: the denominator does not change under flips, and u rises with Student's t.
 #include "server/jobs/statistics/level_judge.h"
 
+#include "common/error.h"
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <random>
 #include <string>
@@ -31,11 +34,13 @@ using Groups = std::vector<std::vector<float>>;
 
 /// Largest |sum of sign * D| * weight over all values, for each flip.
 std::vector<float> largestUnderFlips(const Groups& groups, std::span<const float> weights,
-                                     const std::vector<float>& signs, unsigned threads) {
+                                     const std::vector<float>& signs, unsigned threads,
+                                     const std::function<bool()>& cancelled) {
   const std::size_t n = groups.size(), flips = signs.size() / n, values = weights.size();
   const std::size_t strips = (values + kStrip - 1) / kStrip;
   threads = unsigned(std::clamp<std::size_t>(threads, 1, strips));
   std::vector<std::vector<float>> largest(threads, std::vector<float>(flips, 0));
+  std::atomic<bool> stopped = false;
   const auto work = [&](unsigned thread) {
     std::vector<float> strip(n * kStrip), sums(kStrip);
     for (std::size_t s = thread; s < strips; s += threads) {
@@ -47,6 +52,10 @@ std::vector<float> largestUnderFlips(const Groups& groups, std::span<const float
           strip[k * kStrip + i] = d;
           any = any || d != 0;
         }
+      if (stopped || (cancelled && cancelled())) {
+        stopped = true;
+        return;
+      }
       if (!any) continue; // where nothing differs, as in most of a paired comparison
       for (std::size_t f = 0; f < flips; ++f) {
         const float* sign = signs.data() + f * n;
@@ -69,6 +78,7 @@ std::vector<float> largestUnderFlips(const Groups& groups, std::span<const float
       helpers.emplace_back(work, t);
     work(0);
   }
+  if (stopped) throw Error(ErrorKind::Cancelled, "the comparison was cancelled");
   for (unsigned t = 1; t < threads; ++t)
     for (std::size_t f = 0; f < flips; ++f)
       largest[0][f] = std::max(largest[0][f], largest[t][f]);
@@ -103,7 +113,7 @@ public:
     ++seeds_;
   }
 
-  StatisticsResult judge(unsigned threads) const override {
+  StatisticsResult judge(unsigned threads, const std::function<bool()>& cancelled) const override {
     if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
     StatisticsResult result;
     result.method =
@@ -115,7 +125,7 @@ public:
     result.mostSeeds = choice_.mostSeeds;
     result.identical = identical_;
     for (std::size_t i = 0; i < kLevels.size(); ++i)
-      result.levels.push_back(judge(kLevels[i], levels_[i], threads));
+      result.levels.push_back(judge(kLevels[i], levels_[i], threads, cancelled));
     return result;
   }
 
@@ -139,7 +149,8 @@ private:
     seedsInGroup_ *= 2;
   }
 
-  LevelResult judge(const LevelRow& row, const Level& level, unsigned threads) const {
+  LevelResult judge(const LevelRow& row, const Level& level, unsigned threads,
+                    const std::function<bool()>& cancelled) const {
     const std::size_t n = level.groups.size(), values = level.grid.size();
     const double significance = choice_.significance / looksOf(choice_.mostSeeds) * row.share;
     std::vector<float> a(values), b(values);
@@ -177,7 +188,8 @@ private:
     }
 
     const auto flips = std::size_t(std::ceil(2 / significance));
-    std::vector<float> largest = largestUnderFlips(groups, weights, randomSigns(flips, n), threads);
+    std::vector<float> largest =
+        largestUnderFlips(groups, weights, randomSigns(flips, n), threads, cancelled);
     // The observed signs are one of the flips: the p-value is exact (Phipson and Smyth 2010). Equal sums can
     // differ by rounding.
     const float observed = float(most * (1 - 1e-5));

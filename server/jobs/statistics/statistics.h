@@ -26,6 +26,7 @@
 #include "server/jobs/image/picture.h"
 #include "server/jobs/image/region.h"
 
+#include <functional>
 #include <memory>
 
 namespace chamfer {
@@ -59,8 +60,8 @@ public:
   virtual ~SeedTest() = default;
   /// The seed's pictures, of the region's crop; `b` is ignored where it is an image.
   virtual void add(const Picture& a, const Picture& b) = 0;
-  /// At a look. `threads`: 0: all cores.
-  virtual StatisticsResult judge(unsigned threads) const = 0;
+  /// At a look. `threads`: 0: all cores. `cancelled`: asked often, from any thread; true: Error(Cancelled).
+  virtual StatisticsResult judge(unsigned threads, const std::function<bool()>& cancelled = {}) const = 0;
 };
 
 /// Two renders. `paired`: of the same seeds.

@@ -217,6 +217,11 @@ Texture readTexture(const std::filesystem::path& file, PixelEncoding encoding, c
   return {unsigned(spec.width), unsigned(spec.height), std::move(pixels)};
 }
 
+std::pair<unsigned, unsigned> imageSize(const std::filesystem::path& file, const std::string& name) {
+  const auto input = openImage(file, name);
+  return {unsigned(input->spec().width), unsigned(input->spec().height)};
+}
+
 ChannelImage readChannels(const std::filesystem::path& file, const std::string& name,
                           const ChannelChoice& choice) {
   const auto input = openImage(file, name);

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace chamfer {
@@ -57,6 +58,8 @@ using ChannelChoice = std::function<std::vector<std::size_t>(const std::vector<s
 /// in one file, a picture that is a part of its frame. `name` stands in messages.
 ChannelImage readChannels(const std::filesystem::path& file, const std::string& name,
                           const ChannelChoice& choice);
+/// Width and height, by the file's head alone. Errors as readChannels().
+std::pair<unsigned, unsigned> imageSize(const std::filesystem::path& file, const std::string& name);
 /// 32-bit float EXR. Deterministic bytes. Not for pixels that are to stay sRGB: they are written linear.
 std::vector<std::byte> encodeExr(const ChannelImage& image);
 
