@@ -39,10 +39,11 @@ struct Ggx {
   /// A normal from the distribution of those visible from wo.
   Vector3f sampleVisible(const Vector3f& wo, const Float2& u) const {
     const Vector3f v = normalize(Vector3f(wo.x * alpha, wo.y * alpha, wo.z));
-    const float phi = 2 * kPi * u.x;
+    float across, along; // of the angle about the cap's axis
+    sineCosine(2 * kPi * u.x, across, along);
     const float z = (1 - u.y) * (1 + v.z) - v.z;
     const float sine = std::sqrt(std::clamp(1 - z * z, 0.f, 1.f));
-    const Vector3f cap{sine * std::cos(phi) + v.x, sine * std::sin(phi) + v.y, z + v.z};
+    const Vector3f cap{sine * along + v.x, sine * across + v.y, z + v.z};
     return normalize(Vector3f(cap.x * alpha, cap.y * alpha, std::max(0.f, cap.z)));
   }
 };

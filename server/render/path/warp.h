@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/vec.h"
+#include "server/render/path/elementary.h"
 #include "server/render/path/sampler.h"
 
 #include <algorithm>
@@ -21,7 +22,9 @@ inline Float2 warpToDisk(const Float2& u) {
   const bool wide = std::abs(a) > std::abs(b);
   const float radius = wide ? a : b;
   const float angle = wide ? kPi / 4 * (b / a) : kPi / 2 - kPi / 4 * (a / b);
-  return {radius * std::cos(angle), radius * std::sin(angle)};
+  float sine, cosine;
+  sineCosine(angle, sine, cosine);
+  return {radius * cosine, radius * sine};
 }
 
 /// Hemisphere about +z, density cos(theta) / pi.
@@ -35,8 +38,9 @@ inline Vector3f warpToCosineHemisphere(const Float2& u) {
 inline Vector3f warpToCone(const Float2& u, float oneMinusCosMax) {
   const float drop = u.x * oneMinusCosMax; // 1 - cos(theta)
   const float sine = std::sqrt(std::max(0.f, drop * (2 - drop)));
-  const float phi = 2 * kPi * u.y;
-  return {sine * std::cos(phi), sine * std::sin(phi), 1 - drop};
+  float across, along; // of the angle about z
+  sineCosine(2 * kPi * u.y, across, along);
+  return {sine * along, sine * across, 1 - drop};
 }
 
 /// Barycentric weights (of the second and third corner) of a uniform point in a triangle, without a square

@@ -97,13 +97,20 @@ struct Found {
   }
 };
 
+inline double largest(const Vector3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
 /// Lives on the caller's stack. Places along the ray are in units of its direction's length.
 class TraceQuery {
 public:
-  /// All must outlive the query. `doubt`: world length by which Embree may be off at the ray's origin.
+  /// All must outlive the query. `embreeOrigin`: the ray's as Embree has it, about the scene's centre; `reach`:
+  /// from there, of all that is traced.
   TraceQuery(const std::vector<RayInstance>& rayInstances, const Ray& worldRay, const PathState& origin,
-             double near, double far, double doubt)
-      : instances(&rayInstances), ray(worldRay), from(&origin), tnear(near), tfar(far), limit(far) {
+             double near, double far, const Vector3& embreeOrigin, double reach)
+      : instances(&rayInstances), ray(worldRay), from(&origin), tnear(near), tfar(far), limit(far),
+        originSize(float(largest(embreeOrigin))), directionSize(float(largest(ray.direction))) {
+    // By which Embree may be off at the ray's origin, from rounding it and the transforms: some units in the
+    // last place of the largest coordinate.
+    const double doubt = 0x1p-21 * std::max(largest(embreeOrigin), reach);
     const double inUnits = doubt / length(ray.direction);
     near_ = near + inUnits;
     start = near;
@@ -181,11 +188,11 @@ public:
   /// Is the hit a wall within a union of solids that the path is in? If so, the query of the rest of the ray
   /// begins there. May change which of the coinciding surfaces is the hit.
   bool isBuried() { return insideAny_ && found_ && isWallWithin(); }
-  TraceHit hit() {
+  void hit(TraceHit& out) {
     refine(best);
-    return hitOf(best);
+    write(best, out);
   }
-  /// `hit`: what hit() returned. `arrival` may hold `from`.
+  /// `hit`: what hit() gave. `arrival` may hold `from`.
   void arrive(const TraceHit& hit, Arrival& arrival);
 
   const std::vector<RayInstance>* instances;
@@ -196,7 +203,7 @@ public:
   double limit; ///< the traversal may end there
   Found best;
   Feature blocker = Feature::Flat;
-  float originSize = 0, directionSize = 0; ///< largest coordinates of the ray as Embree has it
+  float originSize, directionSize; ///< largest coordinates of the ray as Embree has it
   bool notesPassages = false;              ///< arrive() will be asked for
 
 private:
@@ -294,7 +301,10 @@ private:
   double solidRadius(const Found& found) const;
   std::uint32_t solidOf(const Found& found) const;
   bool coincide(const Found& a, const Found& b) const;
-  TraceHit hitOf(const Found& found) const;
+  void write(const Found& found, TraceHit& out) const;
+  bool arrivesAlone(const TraceHit& hit) const;
+  void arriveAmongOthers(const TraceHit& hit, Arrival& arrival);
+  PathState::Place placeOn(const Found& found, std::uint32_t solid, bool facesNormal, PathState::At at) const;
   /// The best so far was found without a triangle: is this it?
   void nameTriangle(const MetTriangle& met, std::uint32_t f);
   void lookAround(double doubt);

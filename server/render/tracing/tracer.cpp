@@ -18,8 +18,17 @@
 namespace chamfer {
 namespace {
 
-/// Embree's context, extended by the query. Lives on the caller's stack.
+/// Embree's context, extended by the query. Lives on the caller's stack. No aggregate: that would be zeroed.
 struct Context {
+  /// The rest as TraceQuery's.
+  template <class... Query>
+  explicit Context(RTCFilterFunctionN filter, Query&&... ofQuery) : query(std::forward<Query>(ofQuery)...) {
+    rtcInitIntersectContext(&embree);
+    embree.filter = filter;
+  }
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
   RTCIntersectContext embree; // first, so that Embree's pointer to it is ours
   TraceQuery query;
 };
@@ -150,23 +159,11 @@ public:
       if (hit) inLengthsOf(size, 0, *hit, arrival);
       return hit;
     }
-    // Again from each wall within a union that the path is in.
-    Arrival within;
-    for (const PathState* state = &from;;) {
-      Context c = context(ray, *state, tnear, tfar, &intersectFilter);
-      c.query.notesPassages |= arrival != nullptr;
-      search(c);
-      if (!c.query.found()) return std::nullopt;
-      const bool buried = c.query.isBuried(); // may choose another hit
-      const TraceHit hit = c.query.hit();
-      if (!buried) {
-        if (arrival) c.query.arrive(hit, *arrival);
-        return hit;
-      }
-      c.query.arrive(hit, within);
-      state = &within.state;
-      tnear = hit.t;
-    }
+    Context c = context(ray, from, tnear, tfar, &intersectFilter);
+    std::optional<TraceHit> hit;
+    const Met what = meet(c, arrival, hit.emplace());
+    if (what == Met::Nothing || (what == Met::Wall && !intersectBehind(c, tfar, arrival, *hit))) hit.reset();
+    return hit;
   }
 
   bool occluded(const Ray& ray, const PathState& from, double tnear, double tfar,
@@ -316,6 +313,30 @@ private:
     return hit;
   }
 
+  enum class Met { Nothing, Surface, Wall };
+  /// Of a wall within a union that the path is in `arrival` is left as it was.
+  Met meet(Context& c, Arrival* arrival, TraceHit& hit) const {
+    c.query.notesPassages |= arrival != nullptr;
+    search(c);
+    if (!c.query.found()) return Met::Nothing;
+    const bool buried = c.query.isBuried(); // may choose another hit
+    c.query.hit(hit);
+    if (buried) return Met::Wall;
+    if (arrival) c.query.arrive(hit, *arrival);
+    return Met::Surface;
+  }
+  /// Again from each such wall; `hit`: the first one.
+  bool intersectBehind(Context& met, double tfar, Arrival* arrival, TraceHit& hit) const {
+    Arrival within;
+    met.query.arrive(hit, within);
+    for (;;) {
+      Context c = context(met.query.ray, within.state, hit.t, tfar, &intersectFilter);
+      const Met what = meet(c, arrival, hit);
+      if (what != Met::Wall) return what == Met::Surface;
+      c.query.arrive(hit, within);
+    }
+  }
+
   /// A mesh in one form, for all of its instances.
   struct Form {
     std::vector<TriangleFlat> flats;
@@ -359,17 +380,7 @@ private:
 
   Context context(const Ray& ray, const PathState& from, double tnear, double tfar,
                   RTCFilterFunctionN filter) const {
-    const auto largest = [](const Vector3& v) {
-      return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    };
-    const double size = largest(Vector3(ray.origin) - centre_);
-    // Rounding of the origin and of the transforms: some units in the last place of the largest coordinate.
-    Context c{{}, {instances_, ray, from, tnear, tfar, 0x1p-21 * std::max(size, reach_)}};
-    rtcInitIntersectContext(&c.embree);
-    c.embree.filter = filter;
-    c.query.originSize = float(size);
-    c.query.directionSize = float(largest(ray.direction));
-    return c;
+    return Context(filter, instances_, ray, from, tnear, tfar, Vector3(ray.origin) - centre_, reach_);
   }
 
   void search(Context& c) const {
