@@ -52,7 +52,8 @@ constexpr T lengthSquared(const Vector3T<T>& v) {
 }
 template <class T>
 T length(const Vector3T<T>& v) {
-  return std::sqrt(dot(v, v));
+  using std::sqrt; // or that of T's own namespace
+  return sqrt(dot(v, v));
 }
 /// Unit vector along `v`; `v` must not be zero (the result is then not finite).
 template <class T>

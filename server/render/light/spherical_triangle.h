@@ -44,8 +44,7 @@ public:
     const Vector normalAb = cross(a_, b_), normalAc = cross(a_, c_);
     const T sine = sqrt(dot(normalAc, normalAc)); // of the arc ac
     const T most(1e6f);                           // at half a turn
-    const T tangent =
-        max(T(0), min(s * sine * ab_ / (volume_ * c - dot(normalAb, normalAc) * s), most));
+    const T tangent = max(T(0), min(s * sine * ab_ / (volume_ * c - dot(normalAb, normalAc) * s), most));
     const T scale = T(1) / (T(1) + tangent * tangent);
     const Vector towardsC = c_ - a_ * dot(a_, c_); // of length `sine`
     const Vector on = a_ * ((T(1) - tangent * tangent) * scale) + towardsC * (T(2) * tangent * scale / sine);

@@ -7,18 +7,6 @@
 namespace chamfer {
 namespace {
 
-/// Up to so many triangles each is weighed anew at every point.
-constexpr std::size_t kFew = 32;
-
-/// Where a shadow ray to a point of a triangle must end so that it does not meet the triangle itself. The
-/// tracer meets triangles in float32 and starts rays off the plane that they leave: both move the meeting by
-/// some units in the last place of the scene's extent, over the cosine. Within that distance of a light
-/// nothing casts a shadow. `distance` in units of the extent.
-double shadowEnd(float distance, float cosine) {
-  constexpr double kErrors = 32 * 0x1p-24;
-  return std::max(0.0, 1 - kErrors * (1 + 1 / (double(distance) * double(cosine))));
-}
-
 double areaOf(const EmissiveTriangle& t) { return length(cross(t.edge1, t.edge2)) / 2; }
 
 double longerEdge2(const EmissiveTriangle& t) {
@@ -28,17 +16,18 @@ double longerEdge2(const EmissiveTriangle& t) {
 } // namespace
 
 TriangleLights::TriangleLights(Emitters emitters, double reach)
-    : emitters_(std::move(emitters)), reach_(reach), perReach_(1 / reach) {
+    : emitters_(std::move(emitters)), perReach_(1 / reach) {
   std::vector<double> powers;
   for (const EmissiveTriangle& t : emitters_.triangles()) {
     powers.push_back(areaOf(t) * luminance(t.emission));
+    anyRounded_ |= t.solid != kNone;
     power_ += (t.oneSided ? 1 : 2) * std::numbers::pi * powers.back();
     const Vector3 edge1 = t.edge1 * perReach_, edge2 = t.edge2 * perReach_, normal = cross(edge1, edge2);
     aims_.push_back({Vector3f(edge1), Vector3f(edge2), Vector3f(normal),
                      float(longerEdge2(t) * perReach_ * perReach_), float(length(normal) / 2)});
   }
   if (!(power_ > 0)) return;
-  if (powers.size() > kFew) {
+  if (powers.size() > kFewLights) {
     table_ = AliasTable(powers);
     return;
   }
@@ -79,7 +68,7 @@ std::uint32_t TriangleLights::choose(const Point3& p, float choice, float& chanc
     chance = c.probability;
     return c.index;
   }
-  float weights[kFew], sum = 0;
+  float weights[kFewLights], sum = 0;
   for (std::size_t i = 0; i < few_.size(); ++i)
     sum += weights[i] = importance(few_[i], p);
   chance = 0;
@@ -117,10 +106,9 @@ std::optional<SphericalTriangleT<float>> TriangleLights::near(std::uint32_t inde
   if (emitters_.triangles()[index].solid != kNone) return {};
   const Aim& aim = aims_[index];
   const Vector3f b = a + aim.edge1, c = a + aim.edge2;
-  if (lengthSquared(a + b + c) > 9 * 6 * aim.size2) return {};
+  if (lengthSquared(a + b + c) > 9 * kFarLight * aim.size2) return {};
   const SphericalTriangleT<float> s(a, b, c, dot(aim.normal, a));
-  constexpr float kSmallest = 1e-2f, kLargest = 6.2f; // beyond, the construction loses its digits
-  if (!(s.solidAngle() > kSmallest && s.solidAngle() < kLargest)) return {};
+  if (!(s.solidAngle() > kSmallestNear && s.solidAngle() < kLargestNear)) return {};
   return s;
 }
 
@@ -133,19 +121,21 @@ LightSample TriangleLights::sample(const Point3& p, float choice, const Float2& 
   const Vector3f a = corner(index, p);
   const float height = dot(aim.normal, a);
   if (light.oneSided ? !(height < 0) : height == 0) return s;
-  Vector3f toLight;
   const auto nearOne = near(index, a);
+  // The place on the light in double: rays from afar must meet it.
+  const Vector3 fromPoint = light.corner - p;
   if (nearOne) {
-    toLight = nearOne->sample(u);
-    toLight = toLight * (height / dot(aim.normal, toLight));
+    const Vector3 d(nearOne->sample(u)), normal = cross(light.edge1, light.edge2);
+    s.toLight = d * (dot(normal, fromPoint) / dot(normal, d));
   } else {
     const Float2 b = warpToTriangle(u);
-    toLight = a + aim.edge1 * b.x + aim.edge2 * b.y;
+    s.toLight = fromPoint + light.edge1 * double(b.x) + light.edge2 * double(b.y);
   }
+  const Vector3f toLight(s.toLight * perReach_);
   const float distanceSquared = lengthSquared(toLight), distance = std::sqrt(distanceSquared);
   const float cosine = std::abs(height) / (2 * aim.area * distance);
   if (!(distanceSquared > 0) || !(cosine > 0)) return s;
-  s.toLight = Vector3(toLight) * reach_;
+  s.direction = toLight * (1 / distance);
   s.radiance = light.emission;
   s.pdf = chance * (nearOne ? 1 / nearOne->solidAngle() : distanceSquared / (cosine * aim.area));
   s.tfar = shadowEnd(distance, cosine);

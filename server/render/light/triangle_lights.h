@@ -12,6 +12,22 @@
 
 namespace chamfer {
 
+/// Up to so many triangles each is weighed anew at every point.
+inline constexpr std::size_t kFewLights = 32;
+/// Triangles of solid angles between these are aimed at by solid angle; beyond, that loses its digits.
+inline constexpr float kSmallestNear = 1e-2f, kLargestNear = 6.2f;
+/// Squared distance of the centre beyond which a triangle looks like a distant point, over its squared size.
+inline constexpr float kFarLight = 6;
+
+/// Where a shadow ray to a point of a triangle must end so that it does not meet the triangle itself. The
+/// tracer meets triangles in float32 and starts rays off the plane that they leave: both move the meeting by
+/// some units in the last place of the scene's extent, over the cosine. Within that distance of a light
+/// nothing casts a shadow. `distance` in units of the extent.
+inline double shadowEnd(float distance, float cosine) {
+  constexpr double kErrors = 32 * 0x1p-24;
+  return std::max(0.0, 1 - kErrors * (1 + 1 / (double(distance) * double(cosine))));
+}
+
 class TriangleLights {
 public:
   /// `reach`: extent of all that is traced, which bounds the tracer's errors.
@@ -25,7 +41,6 @@ public:
   float foundPdf(const TraceHit& hit, const Ray& ray) const;
   std::size_t memoryBytes() const;
 
-private:
   /// What the choice among few triangles looks at; lengths in units of the reach.
   struct Target {
     Point3 centre;   ///< world
@@ -43,6 +58,14 @@ private:
     float size2;                   ///< squared length of the longer edge
     float area;
   };
+  bool anyRounded() const { return anyRounded_; } ///< is one of them a triangle of a rounded solid?
+  // What sampling in lanes reads (wavefront/light_lanes.h).
+  const std::vector<Target>& few() const { return few_; }
+  const Aim& aim(std::uint32_t index) const { return aims_[index]; }
+  const EmissiveTriangle& triangle(std::uint32_t index) const { return emitters_.triangles()[index]; }
+  double perReach() const { return perReach_; }
+
+private:
   float importance(const Target& target, const Point3& p) const;
   std::uint32_t choose(const Point3& p, float choice, float& chance) const;
   float chanceOf(std::uint32_t index, const Point3& p) const;
@@ -51,11 +74,12 @@ private:
   std::optional<SphericalTriangleT<float>> near(std::uint32_t index, const Vector3f& corner) const;
 
   Emitters emitters_;
-  double reach_, perReach_;
+  double perReach_;         ///< 1 over the reach
   std::vector<Aim> aims_;   ///< by triangle
   std::vector<Target> few_; ///< by triangle, when there are few enough to weigh each of them at every point
   AliasTable table_;        ///< by power, when there are more
   double power_ = 0;
+  bool anyRounded_ = false;
 };
 
 } // namespace chamfer

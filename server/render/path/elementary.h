@@ -1,17 +1,26 @@
 // Elementary functions of our own, for float and for lanes of floats (wavefront/lanes.h) alike, so that one
-// path gets the same bits whichever way it is shaded, and on every machine: a library may choose by processor.
-// Errors are about 1e-7, absolute. The polynomials are those of S. Moshier's Cephes library (sinf, cosf, atanf).
+// path gets the same bits whichever way it is shaded, and on every machine: a library may choose by
+// processor. Errors are about 1e-7, absolute. The polynomials are those of S. Moshier's Cephes library (sinf,
+// cosf, atanf).
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 namespace chamfer {
 
-template <class T>
-T select(bool condition, const T& yes, const T& no) {
-  return condition ? yes : no;
+/// `condition`: bool, or the mask of lanes.
+template <class Condition, class T>
+T select(const Condition& condition, const T& yes, const T& no) {
+  if constexpr (std::is_same_v<Condition, bool>) {
+    return condition ? yes : no;
+  } else {
+    T result = no;
+    where(condition, result) = yes;
+    return result;
+  }
 }
 
 /// Of an angle within some turns of 0.
@@ -24,9 +33,9 @@ void sineCosine(const F& angle, F& sine, F& cosine) {
               quarters * F(7.549789948768648e-8f);
   const F z = r * r;
   const F s = r + r * z * (F(-1.6666654611e-1f) + z * (F(8.3321608736e-3f) + z * F(-1.9515295891e-4f)));
-  const F c = F(1) - F(0.5f) * z +
-              z * z * (F(4.166664568298827e-2f) +
-                       z * (F(-1.388731625493765e-3f) + z * F(2.443315711809948e-5f)));
+  const F c =
+      F(1) - F(0.5f) * z +
+      z * z * (F(4.166664568298827e-2f) + z * (F(-1.388731625493765e-3f) + z * F(2.443315711809948e-5f)));
   const F turns = quarters - F(4) * floor(quarters * F(0.25f)); // 0, 1, 2 or 3
   const auto odd = turns == F(1) || turns == F(3);
   const F sineSize = select(odd, c, s), cosineSize = select(odd, s, c);
@@ -48,9 +57,10 @@ F angleOf(const F& y, const F& x) {
   const auto large = ratio > F(0.41421356f);       // tan(pi / 8)
   const F a = select(large, (ratio - F(1)) / (ratio + F(1)), ratio);
   const F z = a * a;
-  const F within = a + a * z *
-                           (F(-3.33329491539e-1f) +
-                            z * (F(1.99777106478e-1f) + z * (F(-1.38776856032e-1f) + z * F(8.05374449538e-2f))));
+  const F within =
+      a + a * z *
+              (F(-3.33329491539e-1f) +
+               z * (F(1.99777106478e-1f) + z * (F(-1.38776856032e-1f) + z * F(8.05374449538e-2f))));
   const F eighth = select(large, F(kPi4) + within, within);
   const F quarter = select(y > across, F(2 * kPi4) - eighth, eighth);
   return select(x < F(0), F(4 * kPi4) - quarter, quarter);

@@ -299,14 +299,9 @@ bool TraceQuery::arrivesAlone(const TraceHit& h) const {
 
 PathState::Place TraceQuery::placeOn(const Found& f, std::uint32_t solid, bool facesNormal,
                                      PathState::At at) const {
-  PathState::Place p{f.instance,
-                     solid,
-                     f.triangle,
-                     kNone,
-                     kNone,
-                     at,
-                     facesNormal,
-                     at == PathState::At::Surface && f.feature == Feature::Flat};
+  PathState::Place p{
+      f.instance, solid, f.triangle,  kNone,
+      kNone,      at,    facesNormal, at == PathState::At::Surface && f.feature == Feature::Flat};
   if (f.facet != kNone) {
     const auto& solids = (*instances)[f.instance].form->view->solids;
     p.firstFacet = solids[solid].firstFacet;

@@ -102,8 +102,8 @@ inline double largest(const Vector3& v) { return std::max({std::abs(v.x), std::a
 /// Lives on the caller's stack. Places along the ray are in units of its direction's length.
 class TraceQuery {
 public:
-  /// All must outlive the query. `embreeOrigin`: the ray's as Embree has it, about the scene's centre; `reach`:
-  /// from there, of all that is traced.
+  /// All must outlive the query. `embreeOrigin`: the ray's as Embree has it, about the scene's centre;
+  /// `reach`: from there, of all that is traced.
   TraceQuery(const std::vector<RayInstance>& rayInstances, const Ray& worldRay, const PathState& origin,
              double near, double far, const Vector3& embreeOrigin, double reach)
       : instances(&rayInstances), ray(worldRay), from(&origin), tnear(near), tfar(far), limit(far),
@@ -134,7 +134,7 @@ public:
     // From outside, a flat that is met is the near end: what is met of the far side lies behind that.
     const bool plain = !place && !isNear(t) && (f == kNone ? !form.closed : isSurelyFlat(in, met));
     if (plain && isAlone(form)) {
-      if (!(t < best.t)) return false;
+      if (!(t < best.t) && !isTieBefore(t, met.instance, met.triangle)) return false;
       best.set(met, f, t);
       best.exact = false;
       limit = t;
@@ -204,7 +204,7 @@ public:
   Found best;
   Feature blocker = Feature::Flat;
   float originSize, directionSize; ///< largest coordinates of the ray as Embree has it
-  bool notesPassages = false;              ///< arrive() will be asked for
+  bool notesPassages = false;      ///< arrive() will be asked for
 
 private:
   /// A rounded solid whose mesh the ray enters at `t` and which it does not meet there, or which it meets so
@@ -283,11 +283,17 @@ private:
   /// The near end lies at the origin or behind, for rounding, and the ray goes on into the solid: then it is
   /// met at once.
   bool beginsOnSurface(Found& found);
+  /// Of triangles that are met at one place the first in the scene counts, in whatever order they come.
+  bool isTieBefore(double t, std::uint32_t instance, std::uint32_t triangle) const {
+    return t == best.t &&
+           (instance < best.instance || (instance == best.instance && triangle < best.triangle));
+  }
   /// Does nothing that coincides with a surface of the form matter?
   bool isAlone(const RayForm& form) const { return !amongOthers_ && !coincidenceMatters_ && !form.transmits; }
   bool accept(Found& found) {
     if (isAlone(*(*instances)[found.instance].form)) {
-      if (!(found.t < best.t) || !(found.t < tfar)) return false;
+      if (!(found.t < best.t) && !isTieBefore(found.t, found.instance, found.triangle)) return false;
+      if (!(found.t < tfar)) return false;
       best = found;
       found_ = true;
       limit = best.t;
