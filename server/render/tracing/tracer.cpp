@@ -64,10 +64,10 @@ constexpr std::size_t kPacket = 8;
 
 /// As Context, of a packet: the ray's id is its query's place.
 struct PacketContext {
-  explicit PacketContext(RTCFilterFunctionN filter) {
+  PacketContext(RTCFilterFunctionN filter, RTCIntersectContextFlags flags) {
     rtcInitIntersectContext(&embree);
     embree.filter = filter;
-    embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    embree.flags = flags;
   }
   PacketContext(const PacketContext&) = delete;
   PacketContext& operator=(const PacketContext&) = delete;
@@ -413,7 +413,7 @@ private:
   }
 
   void intersectPacket(std::span<RayTask> tasks) const {
-    PacketContext c(&intersectPacketFilter);
+    PacketContext c(&intersectPacketFilter, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
     RTCRayHit8 packet;
     alignas(32) int valid[kPacket] = {};
     RayTask* asked[kPacket];
@@ -441,7 +441,8 @@ private:
   }
 
   void occludedPacket(std::span<ShadowTask> tasks) const {
-    PacketContext c(&occludedPacketFilter);
+    // Coherent traversal loses where light comes from all sides, to a room's walls.
+    PacketContext c(&occludedPacketFilter, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
     RTCRay8 packet;
     alignas(32) int valid[kPacket] = {};
     ShadowTask* asked[kPacket];
