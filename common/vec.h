@@ -32,7 +32,7 @@ struct Vector3T {
   constexpr Vector3T& operator+=(const Vector3T& o) { return *this = *this + o; }
   constexpr Vector3T& operator-=(const Vector3T& o) { return *this = *this - o; }
   constexpr Vector3T& operator*=(T s) { return *this = *this * s; }
-  constexpr bool operator==(const Vector3T&) const = default;
+  constexpr bool operator==(const Vector3T& o) const { return x == o.x && y == o.y && z == o.z; }
 };
 template <class T>
 constexpr Vector3T<T> operator*(T s, const Vector3T<T>& v) {

@@ -13,7 +13,7 @@ namespace chamfer {
 
 /// `condition`: bool, or the mask of lanes.
 template <class Condition, class T>
-T select(const Condition& condition, const T& yes, const T& no) {
+[[gnu::always_inline]] inline T select(const Condition& condition, const T& yes, const T& no) {
   if constexpr (std::is_same_v<Condition, bool>) {
     return condition ? yes : no;
   } else {

@@ -1,5 +1,6 @@
-// Tiles are cut into fixed blocks that threads take in any order; every pixel is computed alone from its own
-// samples, so the result depends on neither.
+// Tiles are cut into fixed blocks that threads take in any order. The paths of a block travel together
+// (wavefront), yet each gets what it would get alone, and a pixel sums its own in the order of its samples:
+// the result depends on neither blocks nor threads.
 #include "server/render/path/aov.h"
 #include "server/render/path/camera.h"
 #include "server/render/path/path_tracer.h"
@@ -48,6 +49,11 @@ void validate(const RenderSettings& s, const TileRect& t) {
   if (s.firstSample >= s.endSample)
     fail("the sample range " + std::to_string(s.firstSample) + "-" + std::to_string(s.endSample) +
          " is empty");
+}
+
+/// Samples of each of a block's pixels that travel together.
+unsigned samplesAtOnce(std::size_t pixels) {
+  return unsigned(std::max<std::size_t>(1, Wavefront::kPaths / pixels));
 }
 
 class TileJob {
@@ -110,13 +116,10 @@ private:
     for (unsigned y = y0; y < std::min(y0 + kBlock, tile_.height); ++y)
       for (unsigned x = x0; x < std::min(x0 + kBlock, tile_.width); ++x)
         pixels.push_back({x, y});
-    const auto atOnce = unsigned(std::max<std::size_t>(1, Wavefront::kPaths / pixels.size()));
-    unsigned asked = 0;
+    const unsigned atOnce = samplesAtOnce(pixels.size());
     for (unsigned first = settings_.firstSample; first < settings_.endSample;) {
-      if (control_.cancelled && first - settings_.firstSample >= asked) {
-        if (stop_ || control_.cancelled()) throw Error(ErrorKind::Cancelled, "the render was cancelled");
-        asked += kRenderAsksEvery;
-      }
+      if (control_.cancelled && (stop_ || control_.cancelled()))
+        throw Error(ErrorKind::Cancelled, "the render was cancelled");
       const unsigned end = first + std::min(atOnce, settings_.endSample - first);
       if (settings_.aov == Aov::Beauty)
         renderBeauty(pixels, first, end, statistics, wave);
@@ -192,6 +195,18 @@ private:
 };
 
 } // namespace
+
+std::uint64_t looksOfRender(const RenderSettings& s, const TileRect& tile) {
+  validate(s, tile);
+  std::uint64_t looks = 0;
+  const auto inBlock = [](unsigned size, unsigned from) { return std::min(kBlock, size - from); };
+  for (unsigned y = 0; y < tile.height; y += kBlock)
+    for (unsigned x = 0; x < tile.width; x += kBlock) {
+      const unsigned atOnce = samplesAtOnce(std::size_t(inBlock(tile.width, x)) * inBlock(tile.height, y));
+      looks += (std::uint64_t(s.endSample) - s.firstSample + atOnce - 1) / atOnce;
+    }
+  return looks;
+}
 
 RenderResult renderTile(const PreparedScene& prepared, const RenderSettings& settings, const TileRect& tile,
                         const RenderControl& control) {

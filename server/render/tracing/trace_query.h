@@ -263,7 +263,13 @@ private:
     found.t = std::max(found.t, tnear); // grazing: in and out within rounding
     return true;
   }
+  /// Does the ray leave the facet's solid there, for all that float32 can tell?
+  bool surelyLeaves(const RayInstance& in, const MetTriangle& met, std::uint32_t f) const {
+    const float slope = dot(Vector3f(in.form->view->facets[f].normal), met.direction);
+    return slope > 0x1p-19f * in.objectScale * directionSize;
+  }
   bool meetsNearSide(const RayInstance& in, const MetTriangle& met, Found& found) {
+    if (surelyLeaves(in, met, found.facet)) return false; // a front-facing triangle speaks for the solid
     const auto end = nearEnd(*in.form->view, {found.facet, found.t}, rayFor(met.instance));
     if (notesPassages && (!end || end->t > found.t) && !leaving(met.instance, found.facet))
       passages_.push_back({met.instance, met.triangle, found.facet, found.t, false});

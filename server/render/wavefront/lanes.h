@@ -5,6 +5,7 @@
 #include "common/vec.h"
 #include "server/render/image/color.h"
 #include "server/render/path/elementary.h"
+#include "server/render/path/sampler.h"
 
 #include <cstdint>
 #include <experimental/simd>
@@ -25,6 +26,30 @@ struct alignas(32) LaneFloats {
   operator Lanes() const { return Lanes(at, simd::vector_aligned); }
   float& operator[](std::size_t i) { return at[i]; }
   float operator[](std::size_t i) const { return at[i]; }
+};
+
+using WordLanes = simd::simd<std::uint32_t, simd::simd_abi::deduce_t<std::uint32_t, kLanes>>;
+
+/// Points of the sampler in memory: what they are made of is set one by one, they are made in lanes.
+struct PointWords {
+  alignas(32) std::uint32_t reversedIndex[kLanes], shuffle[kLanes], first[kLanes], second[kLanes];
+  void set(std::size_t i, const Sampler::PairWords<std::uint32_t>& w) {
+    reversedIndex[i] = w.reversedIndex;
+    shuffle[i] = w.shuffle;
+    first[i] = w.first;
+    second[i] = w.second;
+  }
+  void make(LaneFloats& x, LaneFloats& y) const {
+    const auto load = [](const std::uint32_t* at) { return WordLanes(at, simd::vector_aligned); };
+    WordLanes u, v;
+    Sampler::point<WordLanes>({load(reversedIndex), load(shuffle), load(first), load(second)}, u, v);
+    const auto unit = [](const WordLanes& w) { // below 2^24: the sign bit of a cheaper conversion is free
+      using IntLanes = simd::rebind_simd_t<int, WordLanes>;
+      return LaneFloats(simd::static_simd_cast<Lanes>(simd::static_simd_cast<IntLanes>(w)) * Lanes(0x1p-24f));
+    };
+    x = unit(u);
+    y = unit(v);
+  }
 };
 
 using VectorLanes = Vector3T<Lanes>;

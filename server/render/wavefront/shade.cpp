@@ -17,14 +17,9 @@ void VertexGroup::add(std::uint32_t number, const Path& path, const TraceHit& hi
   surfaces_.specular[i] = surface.specular;
   surfaces_.ior[i] = surface.ior;
   const std::uint32_t pair = path.firstPair();
-  const Float2 choice = path.sampler.pair(pair + kChoicePair), light = path.sampler.pair(pair + kLightPair),
-               scatter = path.sampler.pair(pair + kScatterPair);
-  choice_[i] = choice.x;
-  lobe_[i] = choice.y;
-  lightX_[i] = light.x;
-  lightY_[i] = light.y;
-  scatterX_[i] = scatter.x;
-  scatterY_[i] = scatter.y;
+  choice_.set(i, path.sampler.words(pair + kChoicePair));
+  light_.set(i, path.sampler.words(pair + kLightPair));
+  scatter_.set(i, path.sampler.words(pair + kScatterPair));
 }
 
 void VertexGroup::scatter(const PathTracer& tracer, const LightSampler& lightSampler,
@@ -40,13 +35,11 @@ void VertexGroup::scatter(const PathTracer& tracer, const LightSampler& lightSam
     surfaces_.metallic[i] = surfaces_.metallic[0];
     surfaces_.specular[i] = surfaces_.specular[0];
     surfaces_.ior[i] = surfaces_.ior[0];
-    choice_[i] = choice_[0];
-    lobe_[i] = lobe_[0];
-    lightX_[i] = lightX_[0];
-    lightY_[i] = lightY_[0];
-    scatterX_[i] = scatterX_[0];
-    scatterY_[i] = scatterY_[0];
+    for (PointWords* w : {&choice_, &light_, &scatter_})
+      w->set(i, {w->reversedIndex[0], w->shuffle[0], w->first[0], w->second[0]});
   }
+  LaneFloats choice, lobe, ux, uy;
+  choice_.make(choice, lobe);
   const FrameT<Lanes> frame{VectorLanes(normal_)};
   VectorLanes wo = frame.toLocal(outgoing_);
   wo.z = max(wo.z, Lanes(1e-6f));
@@ -55,7 +48,8 @@ void VertexGroup::scatter(const PathTracer& tracer, const LightSampler& lightSam
   const LaneMask smooth = bsdf.hasSmoothPart();
   if (!tracer.lights().empty() && any_of(smooth)) {
     LightLanes light;
-    lightSampler.sample(positions_, choice_, lightX_, lightY_, count_, light);
+    light_.make(ux, uy);
+    lightSampler.sample(positions_, choice, ux, uy, count_, light);
     for (std::size_t i = count_; i < kLanes; ++i)
       light.pdf[i] = 0, light.delta[i] = false;
     const VectorLanes wi = frame.toLocal(light.direction);
@@ -74,7 +68,8 @@ void VertexGroup::scatter(const PathTracer& tracer, const LightSampler& lightSam
     }
   }
 
-  const BsdfSampleLanes next = bsdf.sample(lobe_, scatterX_, scatterY_);
+  scatter_.make(ux, uy);
+  const BsdfSampleLanes next = bsdf.sample(lobe, ux, uy);
   const VectorLaneFloats world(normalize(frame.toWorld(next.wi)));
   const LaneFloats above(next.wi.z);
   weight_ = ColorLaneFloats(next.weight);

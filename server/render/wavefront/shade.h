@@ -45,7 +45,7 @@ private:
   Vector3 upwards_[kLanes]; ///< the normal, on the side that the path came from
   VectorLaneFloats normal_, outgoing_;
   OpaqueSurfaces surfaces_;
-  LaneFloats choice_, lightX_, lightY_, lobe_, scatterX_, scatterY_;
+  PointWords choice_, light_, scatter_; ///< random numbers, by PathPair
   // What comes out.
   ColorLaneFloats weight_;
   LaneFloats pdf_;
