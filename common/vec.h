@@ -32,7 +32,7 @@ struct Vector3T {
   constexpr Vector3T& operator+=(const Vector3T& o) { return *this = *this + o; }
   constexpr Vector3T& operator-=(const Vector3T& o) { return *this = *this - o; }
   constexpr Vector3T& operator*=(T s) { return *this = *this * s; }
-  constexpr bool operator==(const Vector3T&) const = default;
+  constexpr bool operator==(const Vector3T& o) const { return x == o.x && y == o.y && z == o.z; }
 };
 template <class T>
 constexpr Vector3T<T> operator*(T s, const Vector3T<T>& v) {
@@ -52,7 +52,8 @@ constexpr T lengthSquared(const Vector3T<T>& v) {
 }
 template <class T>
 T length(const Vector3T<T>& v) {
-  return std::sqrt(dot(v, v));
+  using std::sqrt; // or that of T's own namespace
+  return sqrt(dot(v, v));
 }
 /// Unit vector along `v`; `v` must not be zero (the result is then not finite).
 template <class T>

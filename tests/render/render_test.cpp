@@ -123,6 +123,20 @@ TEST(RenderTile, StopsWhenAskedTo) {
   EXPECT_EQ(last, 1);
 }
 
+TEST(RenderTile, AsksWhetherToStopAsOftenAsItSays) {
+  const TemporaryFolder folder;
+  const auto prepared = prepare(everything(folder), {});
+  for (const auto& [tile, samples] :
+       {std::pair(TileRect{0, 0, 40, 33}, 5u), {{3, 2, 1, 1}, 1200u}, {{0, 0, 16, 16}, 1u}}) {
+    std::atomic<std::uint64_t> asked{0};
+    RenderControl control;
+    control.threads = 2;
+    control.cancelled = [&] { return ++asked, false; };
+    renderTile(*prepared, settings(64, 64, samples), tile, control);
+    EXPECT_EQ(asked, looksOfRender(settings(64, 64, samples), tile));
+  }
+}
+
 TEST(Aovs, TellWhatTheFirstHitIs) {
   const TemporaryFolder folder;
   const auto scene = loadText(folder, R"({"meshes":[{"name":"cube","file":"cube.obj","radius":0.2}],

@@ -43,16 +43,14 @@ std::string encoded(const Image& image, const TileRequest& wanted) {
 /// Throws ProblemError (422) as soon as it is clear that the deadline cannot be met by far.
 RenderResult renderedInTime(const Parts& parts, const Request& request, const PreparedScene& ready,
                             const TileRequest& wanted) {
-  const std::uint64_t pixels = std::uint64_t{wanted.tile.width} * wanted.tile.height;
-  const std::uint64_t looksOfAPixel = (wanted.samples() + kRenderAsksEvery - 1) / kRenderAsksEvery;
-  RenderPace pace(request.cancelled, pixels * looksOfAPixel);
+  RenderPace pace(request.cancelled, looksOfRender(wanted.settings, wanted.tile));
   const RenderControl control{parts.options.threads, [&pace] { return pace.stop(); }, nullptr};
   try {
     return renderTile(ready, wanted.settings, wanted.tile, control);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::Cancelled || !pace.hopeless()) throw;
   }
-  const std::uint64_t work = pixels * wanted.samples();
+  const std::uint64_t work = std::uint64_t{wanted.tile.width} * wanted.tile.height * wanted.samples();
   const auto most = static_cast<std::uint64_t>(pace.share() * static_cast<double>(work));
   const double seconds = std::chrono::duration<double>(parts.options.deadline).count();
   throw ProblemError({.status = 422,

@@ -11,6 +11,7 @@ namespace chamfer {
 
 struct LightSample {
   Vector3 toLight;    ///< from the receiving point: to a point on the light, or unit towards infinity
+  Vector3f direction; ///< along toLight, unit
   double tfar = 0;    ///< shadow rays along toLight end here (below 1: the light's own surface is left out)
   Color radiance;     ///< arriving if nothing is in the way; over `pdf` for a delta
   float pdf = 0;      ///< per solid angle at the receiving point; 0: no light from here

@@ -83,6 +83,7 @@ LightSample Lights::sample(const Point3& p, float choice, const Float2& u) const
 LightSample Lights::sampleEnvironment(const Float2& u) const {
   const Environment::Sample e = environment_->sample(u);
   LightSample s;
+  s.direction = e.direction;
   s.toLight = Vector3(e.direction);
   s.tfar = INFINITY;
   s.pdf = e.pdf;
@@ -104,12 +105,14 @@ LightSample Lights::sampleDistant(std::size_t index, const Float2& u) const {
   s.tfar = INFINITY;
   if (oneMinusCos_[index] == 0) {
     s.toLight = light.direction;
+    s.direction = Vector3f(light.direction);
     s.radiance = light.irradiance;
     s.pdf = 1;
     s.delta = true;
     return s;
   }
-  s.toLight = Vector3(Frame(Vector3f(light.direction)).toWorld(warpToCone(u, oneMinusCos_[index])));
+  s.direction = Frame(Vector3f(light.direction)).toWorld(warpToCone(u, oneMinusCos_[index]));
+  s.toLight = Vector3(s.direction);
   s.pdf = distantPdf(index);
   s.radiance = coneRadiance(index);
   return s;
@@ -121,6 +124,7 @@ LightSample Lights::samplePoint(std::size_t index, const Point3& p) const {
   s.toLight = light.position - p;
   const double distanceSquared = lengthSquared(s.toLight);
   if (!(distanceSquared > 0)) return s;
+  s.direction = Vector3f(normalize(s.toLight));
   s.tfar = 1;
   s.radiance = light.intensity * float(1 / distanceSquared);
   s.pdf = 1;

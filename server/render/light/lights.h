@@ -36,6 +36,10 @@ public:
   float foundPdf(const TraceHit& hit, const Ray& ray) const {
     return triangleShare_ > 0 ? triangleShare_ * triangles_.foundPdf(hit, ray) : 0;
   }
+  /// What sampling in lanes reads (wavefront/light_lanes.h): a triangle is chosen where `choice` is below the
+  /// share, by choice / share.
+  float triangleShare() const { return triangleShare_; }
+  const TriangleLights& triangles() const { return triangles_; }
   std::size_t memoryBytes() const;
 
 private:

@@ -1,6 +1,5 @@
 #include "server/render/light/triangle_lights.h"
 
-#include "server/render/light/spherical_triangle.h"
 #include "server/render/path/warp.h"
 
 #include <algorithm>
@@ -8,66 +7,43 @@
 namespace chamfer {
 namespace {
 
-/// Up to so many triangles each is weighed anew at every point.
-constexpr std::size_t kFew = 32;
-
-/// Where a shadow ray to a point of a triangle must end so that it does not meet the triangle itself. The
-/// tracer meets triangles in float32 and starts rays off the plane that they leave: both move the meeting by
-/// some units in the last place of the scene's extent, over the cosine. Within that distance of a light
-/// nothing casts a shadow.
-double shadowEnd(double reach, double distance, double cosine) {
-  constexpr double kErrors = 32 * 0x1p-24;
-  return std::max(0.0, 1 - kErrors * (1 + reach / (distance * cosine)));
-}
-
-/// The light as a spherical triangle where it is near enough to look much unlike a distant point (its
-/// directions are then drawn by solid angle: by area, the nearest part would be drawn too seldom), nothing
-/// elsewhere. Depends on triangle and point alone, so that both techniques of multiple importance sampling
-/// agree.
-std::optional<SphericalTriangle> nearTriangle(const EmissiveTriangle& light, const Point3& p) {
-  if (light.solid != kNone) return {};
-  const Vector3 a = light.corner - p, b = a + light.edge1, c = a + light.edge2;
-  const double size = std::max(lengthSquared(light.edge1), lengthSquared(light.edge2));
-  if (lengthSquared(a + b + c) > 9 * 6 * size) return {};
-  const SphericalTriangle s(a, b, c);
-  constexpr double kSmallest = 1e-2, kLargest = 6.2; // beyond, the construction loses its digits
-  if (!(s.solidAngle() > kSmallest && s.solidAngle() < kLargest)) return {};
-  return s;
-}
-
 double areaOf(const EmissiveTriangle& t) { return length(cross(t.edge1, t.edge2)) / 2; }
 
-/// Of a point drawn uniformly by area.
-double areaPdf(const EmissiveTriangle& light, double distanceSquared, double cosine) {
-  return distanceSquared / (cosine * areaOf(light));
+double longerEdge2(const EmissiveTriangle& t) {
+  return std::max(lengthSquared(t.edge1), lengthSquared(t.edge2));
 }
 
 } // namespace
 
 TriangleLights::TriangleLights(Emitters emitters, double reach)
-    : emitters_(std::move(emitters)), reach_(reach) {
+    : emitters_(std::move(emitters)), perReach_(1 / reach) {
   std::vector<double> powers;
   for (const EmissiveTriangle& t : emitters_.triangles()) {
     powers.push_back(areaOf(t) * luminance(t.emission));
+    anyRounded_ |= t.solid != kNone;
     power_ += (t.oneSided ? 1 : 2) * std::numbers::pi * powers.back();
+    const Vector3 edge1 = t.edge1 * perReach_, edge2 = t.edge2 * perReach_, normal = cross(edge1, edge2);
+    aims_.push_back({Vector3f(edge1), Vector3f(edge2), Vector3f(normal),
+                     float(longerEdge2(t) * perReach_ * perReach_), float(length(normal) / 2)});
   }
   if (!(power_ > 0)) return;
-  if (powers.size() > kFew) {
+  if (powers.size() > kFewLights) {
     table_ = AliasTable(powers);
     return;
   }
+  const double most = *std::max_element(powers.begin(), powers.end());
   for (std::size_t i = 0; i < powers.size(); ++i) {
     const EmissiveTriangle& t = emitters_.triangles()[i];
     Target target{t.corner + (t.edge1 + t.edge2) / 3,
-                  normalize(cross(t.edge1, t.edge2)),
-                  powers[i],
-                  std::max(lengthSquared(t.edge1), lengthSquared(t.edge2)),
+                  Vector3f(normalize(cross(t.edge1, t.edge2))),
+                  float(powers[i] / most),
+                  aims_[i].size2,
                   t.oneSided,
                   false};
     if (t.solid != kNone) {
       const Emitters::Ball ball = emitters_.ball(t.instance, t.solid);
       target.centre = ball.centre;
-      target.size2 = ball.radius * ball.radius;
+      target.size2 = float(ball.radius * ball.radius * perReach_ * perReach_);
       target.wholeSolid = true;
     }
     few_.push_back(target);
@@ -76,28 +52,28 @@ TriangleLights::TriangleLights(Emitters emitters, double reach)
 
 /// About what the triangle sends to the point if nothing is in the way. The floor under the cosine is for
 /// large triangles whose centre alone is seen edge-on.
-double TriangleLights::importance(const Target& t, const Point3& p) const {
-  const Vector3 d = t.centre - p;
-  const double distance2 = lengthSquared(d);
-  if (t.wholeSolid) return t.power * 0.5 / (distance2 + t.size2);
-  const double height = dot(t.normal, d);
+float TriangleLights::importance(const Target& t, const Point3& p) const {
+  const Vector3f d((t.centre - p) * perReach_);
+  const float distance2 = lengthSquared(d);
+  if (t.wholeSolid) return t.power * 0.5f / (distance2 + t.size2);
+  const float height = dot(t.normal, d);
   if (t.oneSided && !(height < 0)) return 0;
-  const double cosine = std::abs(height) / std::sqrt(distance2 + 1e-30 * t.size2);
-  return t.power * (cosine + 0.05) / (distance2 + t.size2);
+  const float cosine = std::abs(height) / std::sqrt(std::max(distance2, 1e-30f * t.size2));
+  return t.power * (cosine + 0.05f) / (distance2 + t.size2);
 }
 
-std::uint32_t TriangleLights::choose(const Point3& p, float choice, double& chance) const {
+std::uint32_t TriangleLights::choose(const Point3& p, float choice, float& chance) const {
   if (few_.empty()) {
     const AliasTable::Choice c = table_.sample(choice);
-    chance = double(c.probability);
+    chance = c.probability;
     return c.index;
   }
-  double weights[kFew], sum = 0;
+  float weights[kFewLights], sum = 0;
   for (std::size_t i = 0; i < few_.size(); ++i)
     sum += weights[i] = importance(few_[i], p);
   chance = 0;
   if (!(sum > 0)) return 0;
-  double left = double(choice) * sum;
+  float left = choice * sum;
   std::uint32_t chosen = 0;
   for (std::uint32_t i = 0; i < few_.size(); ++i) {
     if (weights[i] > 0) chosen = i; // rounding may leave a rest beyond the last
@@ -107,59 +83,91 @@ std::uint32_t TriangleLights::choose(const Point3& p, float choice, double& chan
   return chosen;
 }
 
-double TriangleLights::chanceOf(std::uint32_t index, const Point3& p) const {
-  if (few_.empty()) return double(table_.probability(index));
-  double sum = 0;
-  for (const Target& t : few_)
-    sum += importance(t, p);
-  return sum > 0 ? importance(few_[index], p) / sum : 0;
+float TriangleLights::chanceOf(std::uint32_t index, const Point3& p) const {
+  if (few_.empty()) return table_.probability(index);
+  float sum = 0, own = 0;
+  for (std::uint32_t i = 0; i < few_.size(); ++i) {
+    const float weight = importance(few_[i], p);
+    sum += weight;
+    if (i == index) own = weight;
+  }
+  return sum > 0 ? own / sum : 0;
+}
+
+Vector3f TriangleLights::corner(std::uint32_t index, const Point3& p) const {
+  return Vector3f((emitters_.triangles()[index].corner - p) * perReach_);
+}
+
+/// The light as a spherical triangle where it is near enough to look much unlike a distant point (its
+/// directions are then drawn by solid angle: by area, the nearest part would be drawn too seldom), nothing
+/// elsewhere. Depends on triangle and point alone, so that both techniques of multiple importance sampling
+/// agree.
+std::optional<SphericalTriangleT<float>> TriangleLights::near(std::uint32_t index, const Vector3f& a) const {
+  if (emitters_.triangles()[index].solid != kNone) return {};
+  const Aim& aim = aims_[index];
+  const Vector3f b = a + aim.edge1, c = a + aim.edge2;
+  if (lengthSquared(a + b + c) > 9 * kFarLight * aim.size2) return {};
+  const SphericalTriangleT<float> s(a, b, c, dot(aim.normal, a));
+  if (!(s.solidAngle() > kSmallestNear && s.solidAngle() < kLargestNear)) return {};
+  return s;
 }
 
 LightSample TriangleLights::sample(const Point3& p, float choice, const Float2& u) const {
   LightSample s;
-  double chance;
-  const EmissiveTriangle& light = emitters_.triangles()[choose(p, choice, chance)];
-  const Vector3 normal = cross(light.edge1, light.edge2), corner = light.corner - p;
-  const double height = dot(normal, corner);
+  float chance;
+  const std::uint32_t index = choose(p, choice, chance);
+  const EmissiveTriangle& light = emitters_.triangles()[index];
+  const Aim& aim = aims_[index];
+  const Vector3f a = corner(index, p);
+  const float height = dot(aim.normal, a);
   if (light.oneSided ? !(height < 0) : height == 0) return s;
-  const std::optional<SphericalTriangle> near = nearTriangle(light, p);
-  if (near) {
-    s.toLight = near->sample(u);
-    s.toLight = s.toLight * (height / dot(normal, s.toLight));
+  const auto nearOne = near(index, a);
+  // The place on the light in double: rays from afar must meet it.
+  const Vector3 fromPoint = light.corner - p;
+  if (nearOne) {
+    const Vector3 d(nearOne->sample(u)), normal = cross(light.edge1, light.edge2);
+    s.toLight = d * (dot(normal, fromPoint) / dot(normal, d));
   } else {
     const Float2 b = warpToTriangle(u);
-    s.toLight = corner + light.edge1 * double(b.x) + light.edge2 * double(b.y);
+    s.toLight = fromPoint + light.edge1 * double(b.x) + light.edge2 * double(b.y);
   }
-  const double distanceSquared = lengthSquared(s.toLight), distance = std::sqrt(distanceSquared);
-  const double cosine = std::abs(height) / (length(normal) * distance);
+  const Vector3f toLight(s.toLight * perReach_);
+  const float distanceSquared = lengthSquared(toLight), distance = std::sqrt(distanceSquared);
+  const float cosine = std::abs(height) / (2 * aim.area * distance);
   if (!(distanceSquared > 0) || !(cosine > 0)) return s;
+  s.direction = toLight * (1 / distance);
   s.radiance = light.emission;
-  s.pdf = float(chance * (near ? 1 / near->solidAngle() : areaPdf(light, distanceSquared, cosine)));
-  s.tfar = shadowEnd(reach_, distance, cosine);
+  s.pdf = chance * (nearOne ? 1 / nearOne->solidAngle() : distanceSquared / (cosine * aim.area));
+  s.tfar = shadowEnd(distance, cosine);
   s.instance = light.instance;
   s.solid = light.solid;
   return s;
 }
-
 float TriangleLights::foundPdf(const TraceHit& hit, const Ray& ray) const {
   const std::uint32_t index = emitters_.find(hit.instance, hit.triangle);
   if (index == kNone) return 0;
   const EmissiveTriangle& light = emitters_.triangles()[index];
+  const auto areaPdf = [&](double distance, double cosine) {
+    const auto inReaches = float(distance * perReach_);
+    return inReaches * inReaches / (float(cosine) * aims_[index].area);
+  };
   if (light.solid == kNone) {
-    if (light.oneSided && !(dot(cross(light.edge1, light.edge2), light.corner - ray.origin) < 0)) return 0;
-    const double chance = chanceOf(index, ray.origin);
-    if (const auto near = nearTriangle(light, ray.origin)) return float(chance / near->solidAngle());
-    return float(chance * areaPdf(light, hit.t * hit.t, std::abs(dot(ray.direction, hit.normal))));
+    const Vector3f a = corner(index, ray.origin);
+    if (light.oneSided && !(dot(aims_[index].normal, a) < 0)) return 0;
+    const float chance = chanceOf(index, ray.origin);
+    if (const auto nearOne = near(index, a)) return chance / nearOne->solidAngle();
+    return chance * areaPdf(hit.t, std::abs(dot(ray.direction, hit.normal)));
   }
   // Through the facet of P where the ray goes in, which need not be the facet of the triangle that was met.
   // The chance over the area is the same for all of a solid's triangles.
   const auto entry = emitters_.entry(hit.instance, hit.solid, ray);
   if (!entry) return 0;
-  return float(chanceOf(index, ray.origin) * areaPdf(light, entry->t * entry->t, entry->cosine));
+  return chanceOf(index, ray.origin) * areaPdf(entry->t, entry->cosine);
 }
 
 std::size_t TriangleLights::memoryBytes() const {
-  return emitters_.memoryBytes() + table_.memoryBytes() + few_.size() * sizeof(Target);
+  return emitters_.memoryBytes() + table_.memoryBytes() + few_.size() * sizeof(Target) +
+         aims_.size() * sizeof(Aim);
 }
 
 } // namespace chamfer

@@ -43,6 +43,11 @@ CoatAlbedo ReflectionAlbedo::average() const {
           lerp(kWhiteAverage[row_], kWhiteAverage[row_ + 1], share_)};
 }
 
+const ReflectionTables& reflectionTables() {
+  static constexpr ReflectionTables tables{kMirrored, kWhite, kMirroredAverage, kWhiteAverage};
+  return tables;
+}
+
 GlassAlbedo::GlassAlbedo(float roughness, float eta)
     : near_(eta < 1), far_(!near_), row_(cellOf(roughnessPlace(roughness), kRoughnesses, rowShare_)),
       index_(cellOf(indexPlace(eta), kIndices, indexShare_)) {}

@@ -26,6 +26,12 @@ private:
   int row_;
 };
 
+/// The tables of ReflectionAlbedo, by roughness and cosine, and by roughness (albedo_grid.h).
+struct ReflectionTables {
+  const float *mirrored, *white, *mirroredAverage, *whiteAverage;
+};
+const ReflectionTables& reflectionTables();
+
 /// Of the reflection and transmission lobes of a dielectric boundary together, of one roughness and relative
 /// index `eta` = far side over near side in [1/4, 4]. Energy, not radiance: free of squared indices.
 class GlassAlbedo {

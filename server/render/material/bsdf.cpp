@@ -3,12 +3,6 @@
 namespace chamfer {
 namespace {
 
-/// GGX narrower than this is a delta: at alpha 1e-3 the density at its peak is 3e5 and its width some 0.1
-/// degrees.
-constexpr float kMirrorAlpha = 1e-3f;
-/// Facets that lose less than this on average are taken to lose nothing.
-constexpr float kLeastLoss = 1e-5f;
-
 float coatReflectance(const SurfaceValues& s) {
   const float r = (s.ior - 1) / (s.ior + 1);
   return std::min(1.f, 2 * s.specular * r * r);

@@ -23,6 +23,12 @@
 
 namespace chamfer {
 
+/// GGX narrower than this is a delta: at alpha 1e-3 the density at its peak is 3e5 and its width some 0.1
+/// degrees.
+inline constexpr float kMirrorAlpha = 1e-3f;
+/// Facets that lose less than this on average are taken to lose nothing.
+inline constexpr float kLeastLoss = 1e-5f;
+
 /// A material's values at a point, textures looked up.
 struct SurfaceValues {
   Color baseColor;

@@ -10,46 +10,56 @@
 
 namespace chamfer {
 
-/// GGX of width alpha > 0.
-struct Ggx {
-  float alpha;
+/// GGX of width alpha > 0; F: float, or lanes of floats.
+template <class F>
+struct GgxT {
+  using Direction = Vector3T<F>;
+  F alpha;
 
   /// Density of normals, per solid angle of m and projected area: integral of D(m) m.z over the hemisphere
   /// is 1.
-  float density(const Vector3f& m) const {
-    const float a2 = alpha * alpha;
+  F density(const Direction& m) const {
+    const F a2 = alpha * alpha;
     // 1 - m.z^2 (1 - a2), with the part that cancels near the pole taken from x and y.
-    const float k = (m.x * m.x + m.y * m.y) + a2 * m.z * m.z;
-    return a2 / (kPi * k * k);
+    const F k = (m.x * m.x + m.y * m.y) + a2 * m.z * m.z;
+    return a2 / (F(kPi) * k * k);
   }
   /// Smith's Lambda of a direction at any side.
-  float lambda(const Vector3f& w) const {
-    const float cos2 = w.z * w.z;
-    const float tan2 = (w.x * w.x + w.y * w.y) / cos2;
-    return std::isinf(tan2) ? INFINITY : (std::sqrt(1 + alpha * alpha * tan2) - 1) / 2;
+  F lambda(const Direction& w) const {
+    using std::isinf, std::sqrt;
+    const F cos2 = w.z * w.z;
+    const F tan2 = (w.x * w.x + w.y * w.y) / cos2;
+    return select(isinf(tan2), F(INFINITY), (sqrt(F(1) + alpha * alpha * tan2) - F(1)) / F(2));
   }
-  float masking(const Vector3f& w) const { return 1 / (1 + lambda(w)); }
-  float maskingShadowing(const Vector3f& wo, const Vector3f& wi) const {
-    return 1 / (1 + lambda(wo) + lambda(wi));
+  F masking(const Direction& w) const { return F(1) / (F(1) + lambda(w)); }
+  F maskingShadowing(const Direction& wo, const Direction& wi) const {
+    return F(1) / (F(1) + lambda(wo) + lambda(wi));
   }
   /// Density, per solid angle of m, of sampleVisible().
-  float visibleDensity(const Vector3f& wo, const Vector3f& m) const {
-    return masking(wo) * std::max(0.f, dot(wo, m)) * density(m) / wo.z;
+  F visibleDensity(const Direction& wo, const Direction& m) const {
+    using std::max;
+    return masking(wo) * max(F(0), dot(wo, m)) * density(m) / wo.z;
   }
   /// A normal from the distribution of those visible from wo.
-  Vector3f sampleVisible(const Vector3f& wo, const Float2& u) const {
-    const Vector3f v = normalize(Vector3f(wo.x * alpha, wo.y * alpha, wo.z));
-    const float phi = 2 * kPi * u.x;
-    const float z = (1 - u.y) * (1 + v.z) - v.z;
-    const float sine = std::sqrt(std::clamp(1 - z * z, 0.f, 1.f));
-    const Vector3f cap{sine * std::cos(phi) + v.x, sine * std::sin(phi) + v.y, z + v.z};
-    return normalize(Vector3f(cap.x * alpha, cap.y * alpha, std::max(0.f, cap.z)));
+  Direction sampleVisible(const Direction& wo, const F& ux, const F& uy) const {
+    using std::max, std::min, std::sqrt;
+    const Direction v = normalize(Direction(wo.x * alpha, wo.y * alpha, wo.z));
+    F across, along; // of the angle about the cap's axis
+    sineCosine(F(2 * kPi) * ux, across, along);
+    const F z = (F(1) - uy) * (F(1) + v.z) - v.z;
+    const F sine = sqrt(min(max(F(1) - z * z, F(0)), F(1)));
+    const Direction cap{sine * along + v.x, sine * across + v.y, z + v.z};
+    return normalize(Direction(cap.x * alpha, cap.y * alpha, max(F(0), cap.z)));
   }
+  Direction sampleVisible(const Direction& wo, const Float2& u) const { return sampleVisible(wo, u.x, u.y); }
 };
+using Ggx = GgxT<float>;
 
 /// (1 - cosine)^5, the weight of white in Schlick's approximation.
-inline float schlickWeight(float cosine) {
-  const float c = std::clamp(1 - cosine, 0.f, 1.f), c2 = c * c;
+template <class F>
+F schlickWeight(const F& cosine) {
+  using std::max, std::min;
+  const F c = min(max(F(1) - cosine, F(0)), F(1)), c2 = c * c;
   return c2 * c2 * c;
 }
 inline float schlick(float f0, float cosine) { return f0 + (1 - f0) * schlickWeight(cosine); }
@@ -68,7 +78,10 @@ inline float fresnelDielectric(float cosine, float eta) {
 }
 
 /// Mirror image of w about m.
-inline Vector3f reflect(const Vector3f& w, const Vector3f& m) { return m * (2 * dot(w, m)) - w; }
+template <class F>
+Vector3T<F> reflect(const Vector3T<F>& w, const Vector3T<F>& m) {
+  return m * (F(2) * dot(w, m)) - w;
+}
 
 /// Direction into which w (on m's side: dot(w, m) > 0) refracts, `eta` as above; false under total
 /// reflection.

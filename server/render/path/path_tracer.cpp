@@ -5,8 +5,6 @@
 namespace chamfer {
 namespace {
 
-constexpr std::uint32_t kPairsPerBounce = 4;
-enum PathPair : std::uint32_t { kChoicePair, kLightPair, kScatterPair, kRoulettePair };
 /// Bounces before Russian roulette begins.
 constexpr unsigned kRouletteFrom = 3;
 
@@ -33,17 +31,16 @@ public:
   const Point3& position() const { return hit_.position; }
   const PathState& state() const { return state_; }
 
-  /// `wi` world, unit.
-  BsdfValue evaluate(const Vector3& wi) const {
-    const Vector3f local = frame_.toLocal(Vector3f(wi));
-    if (!sameSide(local, wi)) return {};
-    return bsdf_.evaluate(local, diffuseLeft(wi));
+  BsdfValue evaluate(const LightSample& light) const {
+    const Vector3f local = frame_.toLocal(light.direction);
+    if (!sameSide(local, light.toLight)) return {};
+    return bsdf_.evaluate(local, diffuseLeft(Vector3(light.direction)));
   }
-  /// `wi` is set to the direction in the world, unit.
+  /// `wi` is set to the direction in the world, unit for float32.
   BsdfSample sample(float lobe, const Float2& u, Vector3& wi) const {
     BsdfSample s = bsdf_.sample(lobe, u);
     if (!s.valid) return s;
-    wi = normalize(Vector3(frame_.toWorld(s.wi)));
+    wi = Vector3(normalize(frame_.toWorld(s.wi)));
     s.valid = sameSide(s.wi, wi);
     if (turned_ && s.valid && !s.delta) s.weight = bsdf_.evaluate(s.wi, diffuseLeft(wi)).f * (1 / s.pdf);
     return s;
@@ -124,7 +121,7 @@ Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const 
                               RayStatistics& statistics) const {
   const LightSample light = lights_.sample(vertex.position(), choice.x, u);
   if (!(light.pdf > 0) || light.radiance.isBlack()) return {};
-  const BsdfValue scattered = vertex.evaluate(light.toLight * (1 / length(light.toLight)));
+  const BsdfValue scattered = vertex.evaluate(light);
   if (scattered.f.isBlack()) return {};
   Color through = grey(1);
   if (!reaches(vertex, light, statistics.shadow, through)) return {};
@@ -133,69 +130,79 @@ Color PathTracer::directLight(const Vertex& vertex, const Float2& choice, const 
   return arriving * (powerHeuristic(light.pdf, scattered.pdf) / light.pdf);
 }
 
-Color PathTracer::radiance(Ray ray, const PathState& from, const Sampler& sampler,
+void PathTracer::escape(Path& path) const {
+  path.sum += limited(path.throughput * lights_.escaped(Vector3f(path.ray.direction), path.scatterPdf),
+                      path.spread > 1);
+}
+
+PathTracer::Met PathTracer::meet(Path& path, const Crossing& crossing, RayCount& count) const {
+  ++count.hits;
+  count.rounded += crossing.place.rounded();
+  if (crossing.before) path.throughput *= transmittance(crossing.before, crossing.hit->t - path.start);
+  if (crossing.nothing) {
+    path.start = crossing.hit->t;
+    return ++path.nothings > kMostNothings ? Met::End : Met::Nothing;
+  }
+  if (crossing.place.material->emits()) {
+    const float lightPdf = path.scatterPdf > 0 ? lights_.foundPdf(*crossing.hit, path.ray) : 0;
+    const float weight = lightPdf > 0 ? powerHeuristic(path.scatterPdf, lightPdf) : 1;
+    path.sum += limited(path.throughput * crossing.place.material->emission * weight, path.spread > 1);
+  }
+  return path.bounce == maxBounces_ ? Met::End : Met::Surface;
+}
+
+bool PathTracer::scatter(Path& path, const Crossing& crossing, const PathState& state,
+                         RayStatistics& statistics) const {
+  const Vertex vertex(*crossing.hit, state, path.ray.direction,
+                      surfaces_.shadingNormal(*crossing.hit, crossing.place, path.sampler, path.bounce),
+                      surfaces_.values(*crossing.hit, crossing.place), crossing.eta);
+  const std::uint32_t pair = path.firstPair();
+  const Float2 choice = path.sampler.pair(pair + kChoicePair);
+  if (vertex.hasSmoothPart() && !lights_.empty())
+    path.sum += limited(path.throughput *
+                            directLight(vertex, choice, path.sampler.pair(pair + kLightPair), statistics),
+                        path.spread > 0);
+
+  const BsdfSample scattered =
+      vertex.sample(choice.y, path.sampler.pair(pair + kScatterPair), path.ray.direction);
+  if (!scattered.valid) return false;
+  path.ray.origin = crossing.hit->position;
+  return goOn(path, scattered.weight, scattered.pdf, scattered.delta, scattered.etaSquared);
+}
+
+bool PathTracer::goOn(Path& path, const Color& weight, float pdf, bool delta, float etaSquared) const {
+  path.start = 0;
+  path.throughput *= weight;
+  path.etaScale *= etaSquared;
+  path.scatterPdf = pdf;
+  path.spread += !delta;
+  if (path.bounce + 1 >= kRouletteFrom) {
+    const float survive = std::min(1.f, maxComponent(path.throughput) * path.etaScale);
+    if (!(path.sampler.pair(path.firstPair() + kRoulettePair).x < survive)) return false;
+    path.throughput *= 1 / survive;
+  }
+  ++path.bounce;
+  return true;
+}
+
+Color PathTracer::radiance(const Ray& ray, const PathState& from, const Sampler& sampler,
                            RayStatistics& statistics) const {
-  Color sum, throughput = grey(1);
-  float scatterPdf = 0; // with which the last direction was drawn; 0: delta or camera
-  unsigned spread = 0;  // scatterings so far that were no deltas
-  unsigned nothings = 0;
-  const auto limited = [this](const Color& light, bool indirect) {
-    const float most = maxComponent(light);
-    return indirect && most > indirectClamp_ ? light * (indirectClamp_ / most) : light;
-  };
-  float etaScale = 1; // undoes the compression of radiance in glass, for Russian roulette only
-  RayCount* count = &statistics.camera;
+  Path path(ray, sampler);
   Arrival arrival;
   const PathState* state = &from;
-  double start = 0; ///< beyond 0 where the ray has gone through surfaces that are none
-  for (unsigned bounce = 0;;) {
-    ++count->traced;
-    const auto hit = tracer_.intersect(ray, *state, start, INFINITY, &arrival);
-    if (!hit)
-      return sum + limited(throughput * lights_.escaped(Vector3f(ray.direction), scatterPdf), spread > 1);
+  for (;;) {
+    RayCount& count = path.bounce == 0 ? statistics.camera : statistics.bounce;
+    ++count.traced;
+    const auto hit = tracer_.intersect(path.ray, *state, path.start, INFINITY, &arrival);
+    if (!hit) {
+      escape(path);
+      return path.sum;
+    }
     state = &arrival.state;
-    ++count->hits;
-    const Crossing crossing = media_.crossing(*hit, arrival, ray.direction);
-    const SurfacePlace& place = crossing.place;
-    const Material& material = *place.material;
-    count->rounded += place.rounded();
-    if (crossing.before) throughput *= transmittance(crossing.before, crossing.hit->t - start);
-    if (crossing.nothing) {
-      if (++nothings > kMostNothings) return sum;
-      start = crossing.hit->t;
-      continue;
-    }
-    if (material.emits()) {
-      const float lightPdf = scatterPdf > 0 ? lights_.foundPdf(*crossing.hit, ray) : 0;
-      const float weight = lightPdf > 0 ? powerHeuristic(scatterPdf, lightPdf) : 1;
-      sum += limited(throughput * material.emission * weight, spread > 1);
-    }
-    if (bounce == maxBounces_) return sum;
-
-    const Vertex vertex(*crossing.hit, arrival.state, ray.direction,
-                        surfaces_.shadingNormal(*crossing.hit, place, sampler, bounce),
-                        surfaces_.values(*crossing.hit, place), crossing.eta);
-    const std::uint32_t pair = kFirstPathPair + bounce * kPairsPerBounce;
-    const Float2 choice = sampler.pair(pair + kChoicePair);
-    if (vertex.hasSmoothPart() && !lights_.empty())
-      sum += limited(throughput * directLight(vertex, choice, sampler.pair(pair + kLightPair), statistics),
-                     spread > 0);
-
-    const BsdfSample scattered = vertex.sample(choice.y, sampler.pair(pair + kScatterPair), ray.direction);
-    if (!scattered.valid) return sum;
-    ray.origin = crossing.hit->position;
-    start = 0;
-    throughput *= scattered.weight;
-    etaScale *= scattered.etaSquared;
-    scatterPdf = scattered.pdf;
-    spread += !scattered.delta;
-    if (bounce + 1 >= kRouletteFrom) {
-      const float survive = std::min(1.f, maxComponent(throughput) * etaScale);
-      if (!(sampler.pair(pair + kRoulettePair).x < survive)) return sum;
-      throughput *= 1 / survive;
-    }
-    count = &statistics.bounce;
-    ++bounce;
+    const Crossing crossing = media_.crossing(*hit, arrival, path.ray.direction);
+    const Met met = meet(path, crossing, count);
+    if (met == Met::End) return path.sum;
+    if (met == Met::Surface && !scatter(path, crossing, *state, statistics)) return path.sum;
   }
 }
 

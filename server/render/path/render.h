@@ -84,9 +84,6 @@ std::size_t memoryBytes(const PreparedScene& prepared);
 /// Triangles that rays are tested against, over all instances (a mesh that is placed twice counts twice).
 std::size_t tracedTriangles(const PreparedScene& prepared);
 
-/// Samples of a pixel between two looks at `cancelled`; the first is before its first sample.
-inline constexpr unsigned kRenderAsksEvery = 256;
-
 struct RenderControl {
   unsigned threads = 0;                       ///< 0: all cores
   std::function<bool()> cancelled;            ///< asked often; true: stop and throw Error(Cancelled)
@@ -103,6 +100,8 @@ struct RenderResult {
   RayStatistics statistics;
 };
 
+/// How often renderTile() asks `cancelled` in all: before every some hundred samples, the first.
+std::uint64_t looksOfRender(const RenderSettings& settings, const TileRect& tile);
 RenderResult renderTile(const PreparedScene& prepared, const RenderSettings& settings, const TileRect& tile,
                         const RenderControl& control = {});
 

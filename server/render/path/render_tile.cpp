@@ -1,14 +1,17 @@
-// Tiles are cut into fixed blocks that threads take in any order; every pixel is computed alone from its own
-// samples, so the result depends on neither.
+// Tiles are cut into fixed blocks that threads take in any order. The paths of a block travel together
+// (wavefront), yet each gets what it would get alone, and a pixel sums its own in the order of its samples:
+// the result depends on neither blocks nor threads.
 #include "server/render/path/aov.h"
 #include "server/render/path/camera.h"
 #include "server/render/path/path_tracer.h"
 #include "server/render/path/pixel_filter.h"
 #include "server/render/path/prepared_scene.h"
+#include "server/render/wavefront/wavefront.h"
 
 #include "common/error.h"
 
 #include <algorithm>
+#include <deque>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -48,6 +51,11 @@ void validate(const RenderSettings& s, const TileRect& t) {
          " is empty");
 }
 
+/// Samples of each of a block's pixels that travel together.
+unsigned samplesAtOnce(std::size_t pixels) {
+  return unsigned(std::max<std::size_t>(1, Wavefront::kPaths / pixels));
+}
+
 class TileJob {
 public:
   TileJob(const PreparedScene& prepared, const RenderSettings& settings, const TileRect& tile,
@@ -81,9 +89,10 @@ public:
 private:
   void work() {
     RayStatistics statistics;
+    Wavefront wave(paths_);
     try {
       for (unsigned block; !stop_ && (block = next_++) < blocks_;) {
-        renderBlock(block, statistics);
+        renderBlock(block, statistics, wave);
         if (control_.progress) control_.progress(double(++done_) / blocks_);
       }
     } catch (...) {
@@ -95,48 +104,77 @@ private:
     result_.statistics += statistics;
   }
 
-  void renderBlock(unsigned block, RayStatistics& statistics) {
+  /// A pixel of the block that is being rendered.
+  struct Pixel {
+    unsigned x, y; ///< of the tile
+    double sum[4] = {};
+  };
+
+  void renderBlock(unsigned block, RayStatistics& statistics, Wavefront& wave) {
     const unsigned x0 = block % columns_ * kBlock, y0 = block / columns_ * kBlock;
+    std::vector<Pixel> pixels;
     for (unsigned y = y0; y < std::min(y0 + kBlock, tile_.height); ++y)
       for (unsigned x = x0; x < std::min(x0 + kBlock, tile_.width); ++x)
-        renderPixel(x, y, statistics);
-  }
-
-  void renderPixel(unsigned x, unsigned y, RayStatistics& statistics) {
-    double r = 0, g = 0, b = 0, alpha = 0;
-    for (unsigned s = settings_.firstSample; s < settings_.endSample; ++s) {
-      if (control_.cancelled && (s - settings_.firstSample) % kRenderAsksEvery == 0 &&
-          (stop_ || control_.cancelled()))
+        pixels.push_back({x, y});
+    const unsigned atOnce = samplesAtOnce(pixels.size());
+    for (unsigned first = settings_.firstSample; first < settings_.endSample;) {
+      if (control_.cancelled && (stop_ || control_.cancelled()))
         throw Error(ErrorKind::Cancelled, "the render was cancelled");
-      const AovSample sample = renderSample(tile_.x + x, tile_.y + y, s, statistics);
-      r += sample.value.r;
-      g += sample.value.g;
-      b += sample.value.b;
-      alpha += sample.coverage;
+      const unsigned end = first + std::min(atOnce, settings_.endSample - first);
+      if (settings_.aov == Aov::Beauty)
+        renderBeauty(pixels, first, end, statistics, wave);
+      else
+        renderAov(pixels, first, end, statistics);
+      first = end;
     }
     const double count = settings_.endSample - settings_.firstSample;
-    float* out = result_.image.rgba.data() + (std::size_t(y) * tile_.width + x) * 4;
-    out[0] = float(r / count);
-    out[1] = float(g / count);
-    out[2] = float(b / count);
-    out[3] = float(alpha / count);
+    for (const Pixel& p : pixels)
+      for (std::size_t k = 0; k < 4; ++k)
+        result_.image.rgba[(std::size_t(p.y) * tile_.width + p.x) * 4 + k] = float(p.sum[k] / count);
   }
 
-  AovSample renderSample(unsigned x, unsigned y, unsigned index, RayStatistics& statistics) const {
-    const Sampler sampler(x, y, index, settings_.seed);
+  void renderBeauty(std::vector<Pixel>& pixels, unsigned first, unsigned end, RayStatistics& statistics,
+                    Wavefront& wave) {
+    wave.clear();
+    std::deque<PathState> states; // stay where they are
+    for (unsigned s = first; s < end; ++s)
+      for (const Pixel& p : pixels) {
+        const Sampler sampler(tile_.x + p.x, tile_.y + p.y, s, settings_.seed);
+        const Ray ray = cameraRay(p, sampler);
+        wave.add(ray, oneState_ ? from_ : states.emplace_back(tracer_.stateAt(ray.origin)), sampler);
+      }
+    wave.follow(statistics);
+    for (std::size_t i = 0; i < (end - first) * pixels.size(); ++i)
+      add(pixels[i % pixels.size()], {wave.light(i), 1}, statistics);
+  }
+
+  void renderAov(std::vector<Pixel>& pixels, unsigned first, unsigned end, RayStatistics& statistics) {
+    for (unsigned s = first; s < end; ++s)
+      for (Pixel& p : pixels) {
+        const Sampler sampler(tile_.x + p.x, tile_.y + p.y, s, settings_.seed);
+        const Ray ray = cameraRay(p, sampler);
+        add(p,
+            aovSample(surfaces_, tracer_, settings_.aov, ray, oneState_ ? from_ : tracer_.stateAt(ray.origin),
+                      sampler, statistics),
+            statistics);
+      }
+  }
+
+  Ray cameraRay(const Pixel& p, const Sampler& sampler) const {
     const Float2 offset = PixelFilter::instance().sample(sampler.pair(kPixelPair));
     const Float2 lens = camera_.usesLens() ? sampler.pair(kLensPair) : Float2{};
-    const Ray ray = camera_.ray(x + 0.5 + offset.x, y + 0.5 + offset.y, lens);
-    const PathState ofItsOwn = oneState_ ? PathState() : tracer_.stateAt(ray.origin);
-    const PathState& from = oneState_ ? from_ : ofItsOwn;
-    AovSample sample;
-    if (settings_.aov == Aov::Beauty)
-      sample = {paths_.radiance(ray, from, sampler, statistics), 1};
-    else
-      sample = aovSample(surfaces_, tracer_, settings_.aov, ray, from, sampler, statistics);
-    if (isFinite(sample.value)) return sample;
-    ++statistics.nonFiniteSamples;
-    return {{}, sample.coverage};
+    return camera_.ray(tile_.x + p.x + 0.5 + offset.x, tile_.y + p.y + 0.5 + offset.y, lens);
+  }
+
+  static void add(Pixel& p, const AovSample& sample, RayStatistics& statistics) {
+    p.sum[3] += sample.coverage;
+    if (!isFinite(sample.value)) {
+      ++statistics.nonFiniteSamples;
+      return;
+    }
+    p.sum[0] += sample.value.r;
+    p.sum[1] += sample.value.g;
+    p.sum[2] += sample.value.b;
   }
 
   const Surfaces& surfaces_;
@@ -157,6 +195,18 @@ private:
 };
 
 } // namespace
+
+std::uint64_t looksOfRender(const RenderSettings& s, const TileRect& tile) {
+  validate(s, tile);
+  std::uint64_t looks = 0;
+  const auto inBlock = [](unsigned size, unsigned from) { return std::min(kBlock, size - from); };
+  for (unsigned y = 0; y < tile.height; y += kBlock)
+    for (unsigned x = 0; x < tile.width; x += kBlock) {
+      const unsigned atOnce = samplesAtOnce(std::size_t(inBlock(tile.width, x)) * inBlock(tile.height, y));
+      looks += (std::uint64_t(s.endSample) - s.firstSample + atOnce - 1) / atOnce;
+    }
+  return looks;
+}
 
 RenderResult renderTile(const PreparedScene& prepared, const RenderSettings& settings, const TileRect& tile,
                         const RenderControl& control) {

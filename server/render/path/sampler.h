@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 namespace chamfer {
 
@@ -20,15 +21,22 @@ struct Float2 {
   float x = 0, y = 0;
 };
 
-constexpr std::uint32_t reverseBits(std::uint32_t v) {
-  v = __builtin_bswap32(v);
+// Words are std::uint32_t, or lanes of them (wavefront/lanes.h).
+
+template <class Word>
+constexpr Word reverseBits(Word v) {
+  if constexpr (std::is_same_v<Word, std::uint32_t>)
+    v = __builtin_bswap32(v);
+  else
+    v = (v << 24) | ((v & 0xff00u) << 8) | ((v >> 8) & 0xff00u) | (v >> 24);
   v = ((v & 0x0f0f0f0fu) << 4) | ((v >> 4) & 0x0f0f0f0fu);
   v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
   return ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
 }
 
 /// Owen scrambling of a number whose bits are reversed: every bit is flipped by a hash of the bits below it.
-constexpr std::uint32_t owenScrambleReversed(std::uint32_t v, std::uint32_t seed) {
+template <class Word>
+constexpr Word owenScrambleReversed(Word v, const Word& seed) {
   v ^= v * 0x3d20adeau;
   v += seed;
   v *= (seed >> 16) | 1u;
@@ -39,7 +47,8 @@ constexpr std::uint32_t owenScrambleReversed(std::uint32_t v, std::uint32_t seed
 
 /// Second Sobol coordinate of sample `index`, bits reversed: bit r is the parity of the index bits k with
 /// C(k, r) odd.
-constexpr std::uint32_t sobolSecondReversed(std::uint32_t index) {
+template <class Word>
+constexpr Word sobolSecondReversed(Word index) {
   index ^= index >> 16;
   index ^= (index & 0xff00ff00u) >> 8;
   index ^= (index & 0xf0f0f0f0u) >> 4;
@@ -61,17 +70,32 @@ public:
   constexpr Sampler(std::uint32_t x, std::uint32_t y, std::uint32_t sample, std::uint32_t seed)
       : pixel_(mixBits(mixBits((std::uint64_t(y) << 32) | x) + seed)), reversedIndex_(reverseBits(sample)) {}
 
-  /// The point of dimension pair `pair`.
-  constexpr Float2 pair(std::uint32_t pair) const {
+  /// What the point of a dimension pair is made of.
+  template <class Word>
+  struct PairWords {
+    Word reversedIndex, shuffle, first, second;
+  };
+  constexpr PairWords<std::uint32_t> words(std::uint32_t pair) const {
     const std::uint64_t a = mixBits(pixel_ + (pair + 1) * 0x9e3779b97f4a7c15ull);
     const std::uint64_t b = a * 0xd1342543de82ef95ull + 1; // a second, independent word
-    const std::uint32_t index = reverseBits(owenScrambleReversed(reversedIndex_, std::uint32_t(a)));
-    return {toUnit(reverseBits(owenScrambleReversed(index, std::uint32_t(a >> 32)))),
-            toUnit(reverseBits(owenScrambleReversed(sobolSecondReversed(index), std::uint32_t(b >> 32))))};
+    return {reversedIndex_, std::uint32_t(a), std::uint32_t(a >> 32), std::uint32_t(b >> 32)};
+  }
+  /// The point, its coordinates as shares of 2^24.
+  template <class Word>
+  static constexpr void point(const PairWords<Word>& w, Word& x, Word& y) {
+    const Word index = reverseBits(owenScrambleReversed(w.reversedIndex, w.shuffle));
+    x = reverseBits(owenScrambleReversed(index, w.first)) >> 8;
+    y = reverseBits(owenScrambleReversed(sobolSecondReversed(index), w.second)) >> 8;
+  }
+
+  /// The point of dimension pair `pair`.
+  constexpr Float2 pair(std::uint32_t pair) const {
+    std::uint32_t x = 0, y = 0;
+    point(words(pair), x, y);
+    return {float(x) * 0x1p-24f, float(y) * 0x1p-24f};
   }
 
 private:
-  static constexpr float toUnit(std::uint32_t v) { return float(v >> 8) * 0x1p-24f; }
   std::uint64_t pixel_;
   std::uint32_t reversedIndex_;
 };

@@ -43,6 +43,12 @@ public:
   Surfaces(std::shared_ptr<const Scene> scene, std::vector<MeshForm> forms, unsigned probes);
 
   SurfacePlace place(const TraceHit& hit) const;
+  /// Is the shading normal the hit's own?
+  bool hasOwnNormal(const TraceHit& hit, const SurfacePlace& place) const {
+    const MeshForm* f = form(hit.instance);
+    return place.material->normalTexture == kNoTexture &&
+           (!f || (!f->explicitMesh && f->mode != RoundingMode::Bevel));
+  }
   /// `bounce`: which of the path's hits this is, for the probes' random numbers.
   ShadingNormal shadingNormal(const TraceHit& hit, const SurfacePlace& place, const Sampler& sampler,
                               unsigned bounce) const;

@@ -13,8 +13,6 @@ constexpr std::uint32_t kFewFacets = 64;
 /// Surfaces that touch are nearly parallel there.
 constexpr double kSameDirection = 0.999;
 
-double largest(const Vector3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
 } // namespace
 
 std::uint32_t TraceQuery::solidOf(const Found& f) const {
@@ -241,8 +239,22 @@ bool TraceQuery::farSideBlocks() {
   return false;
 }
 
-TraceHit TraceQuery::hitOf(const Found& f) const {
-  return {f.t, ray.at(f.t), f.normal, f.feature, f.instance, solidOf(f), f.triangle, f.u, f.v};
+/// Number by number: a copy of the whole would wait for the narrow stores just before it.
+void TraceQuery::write(const Found& f, TraceHit& out) const {
+  out.t = f.t;
+  const Point3 p = ray.at(f.t);
+  out.position.x = p.x;
+  out.position.y = p.y;
+  out.position.z = p.z;
+  out.normal.x = f.normal.x;
+  out.normal.y = f.normal.y;
+  out.normal.z = f.normal.z;
+  out.feature = f.feature;
+  out.instance = f.instance;
+  out.solid = solidOf(f);
+  out.triangle = f.triangle;
+  out.u = f.u;
+  out.v = f.v;
 }
 
 /// Is the wall inside another solid of its instance that the path is in, so that it bounds nothing?
@@ -275,7 +287,41 @@ bool TraceQuery::isWallWithin() {
   return true;
 }
 
+/// Is the hit's own surface all that the path is on or in?
+bool TraceQuery::arrivesAlone(const TraceHit& h) const {
+  if (!touching_.empty() || !passages_.empty()) return false;
+  for (const PathState::Place& p : from->places) {
+    if (p.solid == kNone || (p.instance == h.instance && p.solid == h.solid)) continue;
+    if (from->inside(p, ray.direction) || (p.rounded() && !p.leavesFlat)) return false;
+  }
+  return true;
+}
+
+PathState::Place TraceQuery::placeOn(const Found& f, std::uint32_t solid, bool facesNormal,
+                                     PathState::At at) const {
+  PathState::Place p{
+      f.instance, solid, f.triangle,  kNone,
+      kNone,      at,    facesNormal, at == PathState::At::Surface && f.feature == Feature::Flat};
+  if (f.facet != kNone) {
+    const auto& solids = (*instances)[f.instance].form->view->solids;
+    p.firstFacet = solids[solid].firstFacet;
+    p.endFacet = solids[solid + 1].firstFacet;
+  }
+  return p;
+}
+
 void TraceQuery::arrive(const TraceHit& h, Arrival& arrival) {
+  if (!arrivesAlone(h)) return arriveAmongOthers(h, arrival);
+  arrival.touching.clear();
+  PathState::Places& places = arrival.state.places;
+  const PathState::Place place = placeOn(best, h.solid, true, PathState::At::Surface);
+  places.push_back(place);
+  places.front() = place;
+  places.erase(places.begin() + 1, places.end());
+  arrival.state.normal = h.normal;
+}
+
+void TraceQuery::arriveAmongOthers(const TraceHit& h, Arrival& arrival) {
   PathState::Places places;
   const auto known = [&](std::uint32_t instance, std::uint32_t solid) {
     for (const PathState::Place& p : places)
@@ -283,14 +329,7 @@ void TraceQuery::arrive(const TraceHit& h, Arrival& arrival) {
     return false;
   };
   const auto put = [&](const Found& f, std::uint32_t solid, bool facesNormal, PathState::At at) {
-    PathState::Place p{
-        f.instance, solid, f.triangle,  kNone,
-        kNone,      at,    facesNormal, at == PathState::At::Surface && f.feature == Feature::Flat};
-    if (f.facet != kNone) {
-      const auto& solids = (*instances)[f.instance].form->view->solids;
-      p.firstFacet = solids[solid].firstFacet;
-      p.endFacet = solids[solid + 1].firstFacet;
-    }
+    const PathState::Place p = placeOn(f, solid, facesNormal, at);
     places.push_back(p);
   };
   const auto maybeIn = [&](std::uint32_t instance, std::uint32_t solid) {
@@ -313,7 +352,8 @@ void TraceQuery::arrive(const TraceHit& h, Arrival& arrival) {
   for (Found& t : touching_) {
     const std::uint32_t solid = solidOf(t);
     if (!coincide(t, best) || (solid != kNone && known(t.instance, solid))) continue;
-    arrival.touching.push_back(hitOf(t));
+    arrival.touching.push_back({});
+    write(t, arrival.touching.back());
     put(t, solid, dot(t.normal, h.normal) >= 0, PathState::At::Surface);
   }
   for (const PathState::Place& p : from->places) {

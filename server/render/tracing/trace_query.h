@@ -98,13 +98,20 @@ struct Found {
   }
 };
 
+inline double largest(const Vector3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
 /// Lives on the caller's stack. Places along the ray are in units of its direction's length.
 class TraceQuery {
 public:
-  /// All must outlive the query. `doubt`: world length by which Embree may be off at the ray's origin.
+  /// All must outlive the query. `embreeOrigin`: the ray's as Embree has it, about the scene's centre;
+  /// `reach`: from there, of all that is traced.
   TraceQuery(const std::vector<RayInstance>& rayInstances, const Ray& worldRay, const PathState& origin,
-             double near, double far, double doubt)
-      : instances(&rayInstances), ray(worldRay), from(&origin), tnear(near), tfar(far), limit(far) {
+             double near, double far, const Vector3& embreeOrigin, double reach)
+      : instances(&rayInstances), ray(worldRay), from(&origin), tnear(near), tfar(far), limit(far),
+        originSize(float(largest(embreeOrigin))), directionSize(float(largest(ray.direction))) {
+    // By which Embree may be off at the ray's origin, from rounding it and the transforms: some units in the
+    // last place of the largest coordinate.
+    const double doubt = 0x1p-21 * std::max(largest(embreeOrigin), reach);
     const double inUnits = doubt / length(ray.direction);
     near_ = near + inUnits;
     start = near;
@@ -128,7 +135,7 @@ public:
     // From outside, a flat that is met is the near end: what is met of the far side lies behind that.
     const bool plain = !place && !isNear(t) && (f == kNone ? !form.closed : isSurelyFlat(in, met));
     if (plain && isAlone(form)) {
-      if (!(t < best.t)) return false;
+      if (!(t < best.t) && !isTieBefore(t, met.instance, met.triangle)) return false;
       best.set(met, f, t);
       best.exact = false;
       limit = t;
@@ -182,11 +189,11 @@ public:
   /// Is the hit a wall within a union of solids that the path is in? If so, the query of the rest of the ray
   /// begins there. May change which of the coinciding surfaces is the hit.
   bool isBuried() { return insideAny_ && found_ && isWallWithin(); }
-  TraceHit hit() {
+  void hit(TraceHit& out) {
     refine(best);
-    return hitOf(best);
+    write(best, out);
   }
-  /// `hit`: what hit() returned. `arrival` may hold `from`.
+  /// `hit`: what hit() gave. `arrival` may hold `from`.
   void arrive(const TraceHit& hit, Arrival& arrival);
 
   const std::vector<RayInstance>* instances;
@@ -197,8 +204,8 @@ public:
   double limit; ///< the traversal may end there
   Found best;
   Feature blocker = Feature::Flat;
-  float originSize = 0, directionSize = 0; ///< largest coordinates of the ray as Embree has it
-  bool notesPassages = false;              ///< arrive() will be asked for
+  float originSize, directionSize; ///< largest coordinates of the ray as Embree has it
+  bool notesPassages = false;      ///< arrive() will be asked for
 
 private:
   /// A rounded solid whose mesh the ray enters at `t` and which it does not meet there, or which it meets so
@@ -257,7 +264,13 @@ private:
     found.t = std::max(found.t, tnear); // grazing: in and out within rounding
     return true;
   }
+  /// Does the ray leave the facet's solid there, for all that float32 can tell?
+  bool surelyLeaves(const RayInstance& in, const MetTriangle& met, std::uint32_t f) const {
+    const float slope = dot(Vector3f(in.form->view->facets[f].normal), met.direction);
+    return slope > 0x1p-19f * in.objectScale * directionSize;
+  }
   bool meetsNearSide(const RayInstance& in, const MetTriangle& met, Found& found) {
+    if (surelyLeaves(in, met, found.facet)) return false; // a front-facing triangle speaks for the solid
     const auto end = nearEnd(*in.form->view, {found.facet, found.t}, rayFor(met.instance));
     if (notesPassages && (!end || end->t > found.t) && !leaving(met.instance, found.facet))
       passages_.push_back({met.instance, met.triangle, found.facet, found.t, false});
@@ -277,11 +290,17 @@ private:
   /// The near end lies at the origin or behind, for rounding, and the ray goes on into the solid: then it is
   /// met at once.
   bool beginsOnSurface(Found& found);
+  /// Of triangles that are met at one place the first in the scene counts, in whatever order they come.
+  bool isTieBefore(double t, std::uint32_t instance, std::uint32_t triangle) const {
+    return t == best.t &&
+           (instance < best.instance || (instance == best.instance && triangle < best.triangle));
+  }
   /// Does nothing that coincides with a surface of the form matter?
   bool isAlone(const RayForm& form) const { return !amongOthers_ && !coincidenceMatters_ && !form.transmits; }
   bool accept(Found& found) {
     if (isAlone(*(*instances)[found.instance].form)) {
-      if (!(found.t < best.t) || !(found.t < tfar)) return false;
+      if (!(found.t < best.t) && !isTieBefore(found.t, found.instance, found.triangle)) return false;
+      if (!(found.t < tfar)) return false;
       best = found;
       found_ = true;
       limit = best.t;
@@ -295,7 +314,10 @@ private:
   double solidRadius(const Found& found) const;
   std::uint32_t solidOf(const Found& found) const;
   bool coincide(const Found& a, const Found& b) const;
-  TraceHit hitOf(const Found& found) const;
+  void write(const Found& found, TraceHit& out) const;
+  bool arrivesAlone(const TraceHit& hit) const;
+  void arriveAmongOthers(const TraceHit& hit, Arrival& arrival);
+  PathState::Place placeOn(const Found& found, std::uint32_t solid, bool facesNormal, PathState::At at) const;
   /// The best so far was found without a triangle: is this it?
   void nameTriangle(const MetTriangle& met, std::uint32_t f);
   void lookAround(double doubt);

@@ -12,14 +12,24 @@
 #include "common/error.h"
 #include "common/text.h"
 
+#include <boost/container/static_vector.hpp>
 #include <map>
 #include <tuple>
 
 namespace chamfer {
 namespace {
 
-/// Embree's context, extended by the query. Lives on the caller's stack.
+/// Embree's context, extended by the query. Lives on the caller's stack. No aggregate: that would be zeroed.
 struct Context {
+  /// The rest as TraceQuery's.
+  template <class... Query>
+  explicit Context(RTCFilterFunctionN filter, Query&&... ofQuery) : query(std::forward<Query>(ofQuery)...) {
+    rtcInitIntersectContext(&embree);
+    embree.filter = filter;
+  }
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
   RTCIntersectContext embree; // first, so that Embree's pointer to it is ours
   TraceQuery query;
 };
@@ -47,6 +57,69 @@ void intersectFilter(const RTCFilterFunctionNArguments* args) {
 void occludedFilter(const RTCFilterFunctionNArguments* args) {
   TraceQuery& query = reinterpret_cast<Context*>(args->context)->query;
   if (!query.isBlockedBy(metTriangle(args))) args->valid[0] = 0;
+}
+
+/// Rays that Embree traces at once.
+constexpr std::size_t kPacket = 8;
+
+/// As Context, of a packet: the ray's id is its query's place.
+struct PacketContext {
+  PacketContext(RTCFilterFunctionN filter, RTCIntersectContextFlags flags) {
+    rtcInitIntersectContext(&embree);
+    embree.filter = filter;
+    embree.flags = flags;
+  }
+  PacketContext(const PacketContext&) = delete;
+  PacketContext& operator=(const PacketContext&) = delete;
+
+  RTCIntersectContext embree; // first, so that Embree's pointer to it is ours
+  boost::container::static_vector<TraceQuery, kPacket> queries;
+};
+
+MetTriangle metTriangle(const RTCFilterFunctionNArguments* args, unsigned i) {
+  return {RTCHitN_instID(args->hit, args->N, i, 0),
+          RTCHitN_primID(args->hit, args->N, i),
+          RTCRayN_tfar(args->ray, args->N, i),
+          RTCHitN_u(args->hit, args->N, i),
+          RTCHitN_v(args->hit, args->N, i),
+          {RTCHitN_Ng_x(args->hit, args->N, i), RTCHitN_Ng_y(args->hit, args->N, i),
+           RTCHitN_Ng_z(args->hit, args->N, i)},
+          {RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
+           RTCRayN_dir_z(args->ray, args->N, i)}};
+}
+
+void intersectPacketFilter(const RTCFilterFunctionNArguments* args) {
+  auto& queries = reinterpret_cast<PacketContext*>(args->context)->queries;
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] != -1) continue;
+    TraceQuery& query = queries[RTCRayN_id(args->ray, args->N, i)];
+    if (query.take(metTriangle(args, i)))
+      RTCRayN_tfar(args->ray, args->N, i) = above(query.limit - query.start);
+    else
+      args->valid[i] = 0;
+  }
+}
+
+void occludedPacketFilter(const RTCFilterFunctionNArguments* args) {
+  auto& queries = reinterpret_cast<PacketContext*>(args->context)->queries;
+  for (unsigned i = 0; i < args->N; ++i)
+    if (args->valid[i] == -1 && !queries[RTCRayN_id(args->ray, args->N, i)].isBlockedBy(metTriangle(args, i)))
+      args->valid[i] = 0;
+}
+
+void put(const RTCRay& r, unsigned id, RTCRay8& packet, std::size_t at) {
+  packet.org_x[at] = r.org_x;
+  packet.org_y[at] = r.org_y;
+  packet.org_z[at] = r.org_z;
+  packet.dir_x[at] = r.dir_x;
+  packet.dir_y[at] = r.dir_y;
+  packet.dir_z[at] = r.dir_z;
+  packet.tnear[at] = r.tnear;
+  packet.tfar[at] = r.tfar;
+  packet.time[at] = 0;
+  packet.mask[at] = ~0u;
+  packet.flags[at] = 0;
+  packet.id[at] = id;
 }
 
 /// An upper bound of what the transform makes of lengths: the Frobenius norm of its linear part.
@@ -141,8 +214,7 @@ public:
 
   std::optional<TraceHit> intersect(const Ray& ray, const PathState& from, double tnear, double tfar,
                                     Arrival* arrival) const override {
-    if (from.empty() && (isFar(ray) || isFar({ray.at(tnear), ray.direction})))
-      return intersectFromAfar(ray, tnear, tfar, arrival);
+    if (isFar(ray, from, tnear)) return intersectFromAfar(ray, tnear, tfar, arrival);
     if (!hasGoodLength(ray.direction)) {
       const double size = length(ray.direction);
       if (!(size > 0)) return std::nullopt;
@@ -150,23 +222,12 @@ public:
       if (hit) inLengthsOf(size, 0, *hit, arrival);
       return hit;
     }
-    // Again from each wall within a union that the path is in.
-    Arrival within;
-    for (const PathState* state = &from;;) {
-      Context c = context(ray, *state, tnear, tfar, &intersectFilter);
-      c.query.notesPassages |= arrival != nullptr;
-      search(c);
-      if (!c.query.found()) return std::nullopt;
-      const bool buried = c.query.isBuried(); // may choose another hit
-      const TraceHit hit = c.query.hit();
-      if (!buried) {
-        if (arrival) c.query.arrive(hit, *arrival);
-        return hit;
-      }
-      c.query.arrive(hit, within);
-      state = &within.state;
-      tnear = hit.t;
-    }
+    Context c = context(ray, from, tnear, tfar, &intersectFilter);
+    c.query.notesPassages |= arrival != nullptr;
+    std::optional<TraceHit> hit;
+    search(c);
+    if (!answer(c.query, tfar, arrival, hit.emplace())) hit.reset();
+    return hit;
   }
 
   bool occluded(const Ray& ray, const PathState& from, double tnear, double tfar,
@@ -189,6 +250,29 @@ public:
     rtcOccluded1(scene_.get(), &c.embree, &r);
     if (blocker) *blocker = c.query.blocker;
     return r.tfar < 0;
+  }
+
+  void intersect(std::span<RayTask> tasks, bool alike) const override {
+    if (alike) {
+      for (std::size_t first = 0; first < tasks.size(); first += kPacket)
+        intersectPacket(tasks.subspan(first, std::min(kPacket, tasks.size() - first)));
+      return;
+    }
+    for (RayTask& t : tasks) {
+      if (isOdd(t)) {
+        intersectOdd(t);
+        continue;
+      }
+      Context c = context(*t.ray, *t.from, t.tnear, t.tfar, &intersectFilter);
+      c.query.notesPassages |= t.arrival != nullptr;
+      search(c);
+      t.found = answer(c.query, t.tfar, t.arrival, *t.hit);
+    }
+  }
+
+  void occluded(std::span<ShadowTask> tasks) const override {
+    for (std::size_t first = 0; first < tasks.size(); first += kPacket)
+      occludedPacket(tasks.subspan(first, std::min(kPacket, tasks.size() - first)));
   }
 
   PathState stateAt(const Point3& point) const override {
@@ -289,6 +373,9 @@ private:
     return !(lengthSquared(Vector3(ray.origin) - centre_) <= kNear * kNear * reach_ * reach_) ||
            !hasGoodLength(ray.direction);
   }
+  bool isFar(const Ray& ray, const PathState& from, double tnear) const {
+    return from.empty() && (isFar(ray) || (tnear > 0 && isFar({ray.at(tnear), ray.direction})));
+  }
   static bool hasGoodLength(const Vector3& direction) {
     constexpr double kShort = 1e-6, kLong = 1e6; // a scene file's scales are near 1
     const double size = lengthSquared(direction);
@@ -314,6 +401,100 @@ private:
     auto hit = intersect(near, {}, 0, tfar * size - begin, arrival);
     if (hit) inLengthsOf(size, begin, *hit, arrival);
     return hit;
+  }
+
+  /// Is the ray none that Embree takes as it is?
+  bool isOdd(const RayTask& t) const {
+    return isFar(*t.ray, *t.from, t.tnear) || !hasGoodLength(t.ray->direction);
+  }
+  void intersectOdd(RayTask& t) const {
+    const auto hit = intersect(*t.ray, *t.from, t.tnear, t.tfar, t.arrival);
+    if ((t.found = hit.has_value())) *t.hit = *hit;
+  }
+
+  void intersectPacket(std::span<RayTask> tasks) const {
+    PacketContext c(&intersectPacketFilter, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+    RTCRayHit8 packet;
+    alignas(32) int valid[kPacket] = {};
+    RayTask* asked[kPacket];
+    for (RayTask& t : tasks) {
+      if (isOdd(t)) {
+        intersectOdd(t);
+        continue;
+      }
+      const std::size_t at = c.queries.size();
+      TraceQuery& query = c.queries.emplace_back(instances_, *t.ray, *t.from, t.tnear, t.tfar,
+                                                 Vector3(t.ray->origin) - centre_, reach_);
+      query.notesPassages |= t.arrival != nullptr;
+      query.begin();
+      put(embreeRay(query), unsigned(at), packet.ray, at);
+      packet.hit.geomID[at] = packet.hit.instID[0][at] = RTC_INVALID_GEOMETRY_ID;
+      valid[at] = -1;
+      asked[at] = &t;
+    }
+    rtcIntersect8(valid, scene_.get(), &c.embree, &packet);
+    for (std::size_t i = 0; i < c.queries.size(); ++i) {
+      RayTask& t = *asked[i];
+      c.queries[i].finish();
+      t.found = answer(c.queries[i], t.tfar, t.arrival, *t.hit);
+    }
+  }
+
+  void occludedPacket(std::span<ShadowTask> tasks) const {
+    // Coherent traversal loses where light comes from all sides, to a room's walls.
+    PacketContext c(&occludedPacketFilter, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    RTCRay8 packet;
+    alignas(32) int valid[kPacket] = {};
+    ShadowTask* asked[kPacket];
+    for (ShadowTask& t : tasks) {
+      if (!hasGoodLength(t.ray.direction) || (!t.from->empty() && inUnion(*t.from, t.ray.direction))) {
+        t.blocked = occluded(t.ray, *t.from, 0, t.tfar, &t.blocker);
+        continue;
+      }
+      const std::size_t at = c.queries.size();
+      TraceQuery& query = c.queries.emplace_back(instances_, t.ray, *t.from, 0, t.tfar,
+                                                 Vector3(t.ray.origin) - centre_, reach_);
+      query.begin();
+      t.blocker = query.best.feature;
+      t.blocked = query.found() || query.isBlockedByFarSide();
+      if (t.blocked) {
+        c.queries.pop_back();
+        continue;
+      }
+      put(embreeRay(query), unsigned(at), packet, at);
+      valid[at] = -1;
+      asked[at] = &t;
+    }
+    rtcOccluded8(valid, scene_.get(), &c.embree, &packet);
+    for (std::size_t i = 0; i < c.queries.size(); ++i) {
+      asked[i]->blocked = packet.tfar[i] < 0;
+      asked[i]->blocker = c.queries[i].blocker;
+    }
+  }
+
+  /// After the traversal. Of walls within a union that the path is in: again from each.
+  bool answer(TraceQuery& query, double tfar, Arrival* arrival, TraceHit& hit) const {
+    if (meet(query, arrival, hit) != Met::Wall) return query.found();
+    Arrival within;
+    query.arrive(hit, within);
+    for (;;) {
+      Context c = context(query.ray, within.state, hit.t, tfar, &intersectFilter);
+      c.query.notesPassages |= arrival != nullptr;
+      search(c);
+      const Met what = meet(c.query, arrival, hit);
+      if (what != Met::Wall) return what == Met::Surface;
+      c.query.arrive(hit, within);
+    }
+  }
+  enum class Met { Nothing, Surface, Wall };
+  /// Of a wall within a union `arrival` is left as it was.
+  static Met meet(TraceQuery& query, Arrival* arrival, TraceHit& hit) {
+    if (!query.found()) return Met::Nothing;
+    const bool buried = query.isBuried(); // may choose another hit
+    query.hit(hit);
+    if (buried) return Met::Wall;
+    if (arrival) query.arrive(hit, *arrival);
+    return Met::Surface;
   }
 
   /// A mesh in one form, for all of its instances.
@@ -360,17 +541,7 @@ private:
 
   Context context(const Ray& ray, const PathState& from, double tnear, double tfar,
                   RTCFilterFunctionN filter) const {
-    const auto largest = [](const Vector3& v) {
-      return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    };
-    const double size = largest(Vector3(ray.origin) - centre_);
-    // Rounding of the origin and of the transforms: some units in the last place of the largest coordinate.
-    Context c{{}, {instances_, ray, from, tnear, tfar, 0x1p-21 * std::max(size, reach_)}};
-    rtcInitIntersectContext(&c.embree);
-    c.embree.filter = filter;
-    c.query.originSize = float(size);
-    c.query.directionSize = float(largest(ray.direction));
-    return c;
+    return Context(filter, instances_, ray, from, tnear, tfar, Vector3(ray.origin) - centre_, reach_);
   }
 
   void search(Context& c) const {

@@ -70,9 +70,32 @@ struct Arrival {
   boost::container::small_vector<TraceHit, 1> touching;
 };
 
+/// One of several rays that are traced together: as Tracer::intersect() has its arguments.
+struct RayTask {
+  const Ray* ray;
+  const PathState* from;
+  double tnear, tfar;
+  TraceHit* hit;    ///< set where something is hit
+  Arrival* arrival; ///< may be null
+  bool found = false;
+};
+/// As Tracer::occluded() has its arguments.
+struct ShadowTask {
+  Ray ray;
+  const PathState* from;
+  double tfar;
+  bool blocked = false;
+  Feature blocker = Feature::Flat;
+};
+
 class Tracer {
 public:
   virtual ~Tracer() = default;
+  /// Answers each as by itself, whatever the others are. `alike`: neighbours in the list mostly go the same
+  /// way.
+  virtual void intersect(std::span<RayTask> tasks, bool alike) const = 0;
+  /// As many in one call as there are; neighbours mostly go the same way.
+  virtual void occluded(std::span<ShadowTask> tasks) const = 0;
   /// First hit with t in (tnear, tfar), or nothing. `from`: of the point at tnear. `arrival`, if not null, is
   /// replaced where something is hit; it may be the one that holds `from`.
   virtual std::optional<TraceHit> intersect(const Ray& ray, const PathState& from = {}, double tnear = 0,
