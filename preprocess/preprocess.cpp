@@ -5,6 +5,7 @@
 #include "preprocess/components/diagonals.h"
 #include "preprocess/rounding/hulled_mesh.h"
 #include "preprocess/rounding/round_solid.h"
+#include "preprocess/worker_arena.h"
 
 #include <algorithm>
 #include <atomic>
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 namespace chamfer {
 namespace {
@@ -165,7 +165,7 @@ PreprocessResult preprocess(const TriangleMesh& mesh, const PreprocessOptions& o
   std::vector<RoundedSolid> solids(count);
   std::atomic<std::size_t> done{0};
   tbb::enumerable_thread_specific<StageTimes> times;
-  tbb::task_arena arena(options.threads ? int(options.threads) : tbb::task_arena::automatic);
+  WorkerArena arena(options.threads);
   arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
       for (std::size_t i = range.begin(); i != range.end(); ++i) {

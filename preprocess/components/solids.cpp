@@ -6,12 +6,12 @@
 #include "preprocess/components/nesting.h"
 #include "preprocess/components/repair.h"
 #include "preprocess/components/repeats.h"
+#include "preprocess/worker_arena.h"
 
 #include <algorithm>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 namespace chamfer {
 namespace {
@@ -70,7 +70,7 @@ const char* faultWord(FaultKind kind) {
 
 Components splitComponents(const TriangleMesh& mesh, const InputTolerances& tolerances, unsigned threads) {
   Components result;
-  tbb::task_arena arena(threads ? int(threads) : tbb::task_arena::automatic);
+  WorkerArena arena(threads);
   const ForEach forEach = [&](std::size_t count, const std::function<void(std::size_t)>& body) {
     arena.execute([&] {
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {

@@ -182,5 +182,40 @@ TEST_F(CompareCommand, FindsTheScenesOfUrlsBelowItsRoot) {
   EXPECT_THAT(lost.out, HasSubstr("--root names the folder"));
 }
 
+/// Inputs after public reports of other tools; they lie beside the project.
+std::string reportFile(const std::string& name) {
+  const std::filesystem::path file =
+      std::filesystem::path(CHAMFER_SOURCE_DIR "/../shared/data/reports") / name;
+  return std::filesystem::exists(file) ? file.string() : std::string();
+}
+
+TEST_F(CompareCommand, NeverPassesWhatCannotBeCompared) {
+  const std::string nan = reportFile("compare/nan.exr"), black = reportFile("compare/black.exr"),
+                    wider = reportFile("compare/black-wider.exr");
+  if (nan.empty()) GTEST_SKIP() << "the reports are not beside the project";
+  for (const auto& [a, b] : {std::pair(nan, black), std::pair(black, nan), std::pair(nan, nan),
+                             std::pair(wider, black), std::pair(black, wider)}) {
+    const ProgramRun run = compare({a, b});
+    EXPECT_EQ(run.status, 2) << run.out;
+    EXPECT_THAT(run.out, HasSubstr("error: ")) << a << " against " << b;
+  }
+  EXPECT_EQ(compare({black, black}).status, 0);
+}
+
+TEST_F(CompareCommand, FindsNoTerminatorOnARoundingThatItsMeshDoesNotHave) {
+  const std::string scene = reportFile("terminator/low-sun.scene.json");
+  if (scene.empty()) GTEST_SKIP() << "the reports are not beside the project";
+  const std::vector<std::string> limits{"--width", "160",        "--height", "100",
+                                        "--limit", "flip=0.002", "--limit",  "bias_percent=0.1"};
+  const auto against = [&](const std::string& rounding) {
+    std::vector<std::string> arguments{scene, scene + "?rounding=" + rounding};
+    arguments.insert(arguments.end(), limits.begin(), limits.end());
+    return compare(arguments);
+  };
+  const ProgramRun mesh = against("mesh:32");
+  EXPECT_EQ(mesh.status, 0) << mesh.out << mesh.err;
+  EXPECT_EQ(against("bevel:8").status, 1) << "a shader's edges are seen to be other ones";
+}
+
 } // namespace
 } // namespace chamfer

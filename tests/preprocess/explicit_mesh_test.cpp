@@ -7,6 +7,7 @@
 #include "tests/support/mesh_of.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <gtest/gtest.h>
 
 namespace chamfer {
@@ -100,6 +101,28 @@ TEST(ExplicitMesh, VerticesLieOnTheRoundedSolidWithItsNormals) {
     EXPECT_NEAR(double(near.distance), r, 1e-6);
     const Vector3& n = rounded.normals[i];
     EXPECT_GT(double(near.normal.dot(oracle::Vec3(n.x, n.y, n.z))), 1 - 1e-6);
+  }
+}
+
+TEST(ExplicitMesh, OfTheReportedBoxLiesOnItsRoundingWithAnyNumberOfSegments) {
+  const std::filesystem::path file = CHAMFER_SOURCE_DIR "/../shared/data/reports/rounded-box-mesh/box.obj";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "the reports are not beside the project";
+  const TriangleMesh mesh = readMesh(file); // 10 x 20 x 3 from the origin
+  PreprocessOptions options;
+  options.radius.value = 1;
+  const auto result = preprocess(mesh, options);
+  constexpr double kSize[3] = {10, 20, 3};
+  for (const unsigned segments : {1u, 2u, 6u, 7u}) {
+    const ExplicitMesh rounded = explicitMesh(result.rounding->view(), mesh, segments);
+    EXPECT_TRUE(closedManifold(rounded)) << segments;
+    for (std::size_t i = 0; i < rounded.positions.size(); ++i) {
+      // The nearest point of the box that is 1 smaller on each side.
+      Vector3 out;
+      for (int axis = 0; axis < 3; ++axis)
+        out[axis] = rounded.positions[i][axis] - std::clamp(rounded.positions[i][axis], 1.0, kSize[axis] - 1);
+      EXPECT_NEAR(length(out), 1, 1e-6) << segments;
+      EXPECT_GT(dot(rounded.normals[i], out), 1 - 1e-6) << segments;
+    }
   }
 }
 
