@@ -151,7 +151,7 @@ export class Comparison {
     const isOneScene = sides[0].scene.name === sides[1].scene.name;
     for (const [i, { scene, rounding, radius }] of sides.entries()) {
       const size = radius ?? scene.radius?.current;
-      const words = [isOneScene ? '' : scene.name, roundingText(rounding), rounding === 'none' || !size ? '' : `radius ${lengthText(size)}`];
+      const words = [isOneScene ? '' : scene.name, roundingText(rounding), rounding === 'none' || !size ? '' : `r ${lengthText(size)}`];
       const text = words.filter(Boolean).join(', ');
       byId(['side-a', 'side-b'][i]).querySelector('span').textContent = text;
       if (i === 1) byId('picture-b').setAttribute('aria-label', `Side B: ${text}`);

@@ -23,7 +23,7 @@ export const gradient = POINTS.map((rgb) => `#${rgb.toString(16).padStart(6, '0'
 export function roundedUp(value) {
   if (!(value > 0)) return 0;
   const power = 10 ** Math.floor(Math.log10(value));
-  const step = [1, 2, 5, 10].find((x) => x * power >= value * (1 - 1e-9));
+  const step = [1, 2, 5, 10].find((x) => x * power >= value * (1 - 1e-6));
   return Number((step * power).toPrecision(1));
 }
 
