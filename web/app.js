@@ -104,7 +104,8 @@ async function followAddress() {
   const fault = wanted.scene === null ? '' : faultOf(listed, wanted.scene);
   const chosen = fault || !listed ? firstScene() : listed;
   state.up = chosen === listed ? wanted.up : null;
-  comparison.follow(chosen === listed ? wanted.compare : null, chosen?.name).then((hasCome) => hasCome && comparisonChanged());
+  otherFault = null;
+  const following = comparison.follow(chosen === listed ? wanted.compare : null, chosen?.name);
   const before = state.rounding; // whoever chooses another meanwhile gets that
   const view = () => ({
     ...(chosen === listed ? wanted : {}),
@@ -112,6 +113,8 @@ async function followAddress() {
   });
   const overtaken = chosen && !(await showScene(chosen, view));
   if (fault && !overtaken) panel.showProblem(fault);
+  if (await following) comparisonChanged();
+  else if (otherFault && !overtaken) sayProblem(otherFault);
 }
 
 function faultOf(listed, name) {
@@ -218,12 +221,16 @@ function comparisonChanged(how) {
   if (state.scene) changed(how);
 }
 
+let otherFault = null;
+
 /** A scene for the other side; null when there is none of it. */
 async function loadOther(name, signal) {
   try {
     return await insist(() => fetchUpright(name, state.up, signal), signal);
   } catch (error) {
-    if (!signal.aborted) sayProblem(error);
+    if (signal.aborted) return null;
+    otherFault = error;
+    sayProblem(error);
     return null;
   }
 }

@@ -101,8 +101,7 @@ export class Comparison {
     const now = scenes.find(({ name }) => name === this.scene?.name);
     if (!now || (now.state ?? 'ready') !== 'ready') return;
     if (isTurned || now.id !== this.scene.listedId) {
-      await this.#load(now.name);
-      this.page.changed();
+      if (await this.#load(now.name)) this.page.changed();
     }
   }
 
@@ -167,13 +166,14 @@ export class Comparison {
   }
 
   async #pickScene(name) {
-    this.radius = null;
-    if (name === '' || name === this.page.main().scene.name) {
+    if (name === '') {
       this.loading.abort();
       this.scene = null;
-    } else {
-      await this.#load(name);
+    } else if (!(await this.#load(name))) {
+      byId('scene-b').value = this.scene?.name ?? ''; // what it still is
+      return;
     }
+    this.radius = null;
     this.page.changed();
   }
 

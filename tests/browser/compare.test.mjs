@@ -176,7 +176,7 @@ test('only the side that is changed is rendered anew, by the same samples', asyn
 });
 
 test('the difference is dark where both are the same and bright where they are not, with a scale', async () => {
-  await open(COMPARED.replace('slider', 'difference'));
+  await open(`${COMPARED.replace('slider', 'difference')}&b-radius=0.4`);
   assert.ok(await slider().isHidden());
   const { left, top } = await corners();
   const [corner, face] = [await colorAt(left, top), await colorAt(0.5, 0.5)];
@@ -265,6 +265,7 @@ test('with a key the report is saved, since a link cannot carry one', async () =
     await saved.locator('.case').first().waitFor();
     assert.match(await saved.title(), /^differs/);
   } finally {
+    await page.goto('about:blank'); // a server that ends refuses
     await guarded.stop();
     rmSync(folder, { recursive: true, force: true });
   }
@@ -282,6 +283,7 @@ test('where jobs are off the page says how to turn them on', async () => {
     assert.match(await page.locator('#jobs-off').textContent(), /chamferd serve ROOT --jobs DIR/);
     assert.ok(await page.locator('#job-start').isHidden());
   } finally {
+    await page.goto('about:blank');
     await plain.stop();
   }
 });
