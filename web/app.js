@@ -229,8 +229,8 @@ async function loadOther(name, signal) {
     return await insist(() => fetchUpright(name, state.up, signal), signal);
   } catch (error) {
     if (signal.aborted) return null;
-    otherFault = error;
-    sayProblem(error);
+    otherFault = error.status === 404 ? new ServerError(`The server has no scene “${name}” for B.`, error) : error;
+    sayProblem(otherFault);
     return null;
   }
 }
