@@ -1,7 +1,7 @@
 // The server's HTTP interface as the page uses it. Every call takes an AbortSignal and fails with a ServerError.
 import { keyHeaders } from './key.js';
 import { decodeTile } from './tiles.js';
-import { cameraText } from './viewstate.js';
+import { settingsText } from './viewstate.js';
 
 /** What went wrong, in words for the viewer. `status` 0: no answer, or not all of it. */
 export class ServerError extends Error {
@@ -63,7 +63,12 @@ async function problemOf(response) {
 const readJson = (response) => bodyOf(response, (whole) => whole.json());
 const getJson = async (url, signal) => readJson(await request(url, { signal }));
 
-/** Version, limits, formats. */
+async function postJson(url, body, signal) {
+  const headers = { 'Content-Type': 'application/json' };
+  return readJson(await request(url, { method: 'POST', headers, body: JSON.stringify(body), signal }));
+}
+
+/** Version, limits, formats; `comparisons`: null where the server takes no jobs. */
 export const fetchInfo = (signal) => getJson('v1/info', signal);
 
 /** All scenes: [{name, id, triangles, rounded_edges, radius: {current, max}, state, error, ...}]. */
@@ -92,12 +97,10 @@ export async function fetchUpright(name, up, signal) {
  * height}; `tile`: {x, y, width, height}; `range`: [first, end).
  */
 export function tileUrl(view, frame, tile, [first, end]) {
-  const query = [`camera=${cameraText(view.camera)}`, `rounding=${view.rounding}`];
-  if (view.radius !== null && view.rounding !== 'none') query.push(`radius=${Number(view.radius.toPrecision(6))}`);
   const rectangle = [tile.x, tile.y, tile.width, tile.height].join(',');
   const size = `${frame.width}x${frame.height}`;
   const scene = encodeURIComponent(view.sceneId);
-  return `v1/scenes/${scene}/tiles/${size}/${rectangle}/${first}-${end}.f16?${query.join('&')}`;
+  return `v1/scenes/${scene}/tiles/${size}/${rectangle}/${first}-${end}.f16?${settingsText(view)}`;
 }
 
 /** A tile's pixels, and how many of its rays hit anything and a rounding: {width, height, samples, rgba, rays, rounded}. */
@@ -112,11 +115,23 @@ export async function fetchTile(url, signal) {
 export async function fetchHit(view, { origin, direction }, signal) {
   const body = { rays: [[...origin, ...direction]], rounding: view.rounding };
   if (view.radius !== null && view.rounding !== 'none') body.radius = view.radius;
-  const response = await request(`v1/scenes/${encodeURIComponent(view.sceneId)}/rays`, {
-    method: 'POST',
-    headers: { 'Content-Type': 'application/json' },
-    body: JSON.stringify(body),
-    signal,
-  });
-  return (await readJson(response)).hits[0] ?? null;
+  const found = await postJson(`v1/scenes/${encodeURIComponent(view.sceneId)}/rays`, body, signal);
+  return found.hits[0] ?? null;
 }
+
+/** Submits a suite of cases; the job's state (data/COMPARISONS.md, "Over HTTP"). The same suite is the same job. */
+export const startJob = (suite, signal) => postJson('v1/comparisons', suite, signal);
+
+export const fetchJob = (id, signal) => getJson(`v1/comparisons/${id}`, signal);
+
+/** Cancels a job that waits or runs. */
+export async function cancelJob(id, signal) {
+  await request(`v1/comparisons/${id}`, { method: 'DELETE', signal });
+}
+
+/** A job's report, a page in one file, as text. */
+export async function fetchReport(id, signal) {
+  return bodyOf(await request(reportUrl(id), { signal }), (whole) => whole.text());
+}
+
+export const reportUrl = (id) => `v1/comparisons/${id}/report.html`;

@@ -2,10 +2,14 @@
 // shown; everything else follows from it.
 import { fetchHit, fetchScenes, fetchUpright, ServerError } from './api.js';
 import { distance, fitAspect, isInside, keepInside, orbit, pan, pixelRay, zoom } from './camera.js';
+import { Comparison } from './comparison.js';
+import { HeatMap } from './heat_map.js';
 import { listen } from './input.js';
+import { JobPanel } from './job_panel.js';
 import { rememberKey } from './key.js';
 import { offerDownload, Panel } from './panel.js';
 import { RadiusScale } from './radius.js';
+import { seenPicture } from './painter.js';
 import { Renderer } from './renderer.js';
 import { Retry } from './retry.js';
 import { decodeView, encodeView } from './viewstate.js';
@@ -21,8 +25,14 @@ const DESIGNED_ASPECT = 4 / 3;
 const ZOOM_RANGE = [0.02, 20]; // of the distance with which a scene starts
 
 const canvas = document.getElementById('picture');
-const renderer = new Renderer(canvas, { total: SAMPLES, onStatus: showStatus });
+const otherCanvas = document.getElementById('picture-b');
+const heatCanvas = document.getElementById('heat-map');
+const heatMap = new HeatMap(heatCanvas, (top, isKnown) => comparison.showScale(top, isKnown));
+const renderer = new Renderer([canvas, otherCanvas], heatMap, { total: SAMPLES, onStatus: showStatus });
 const panel = new Panel({ scene: pickScene, up: setUp, rounding: setRounding, radius: moveRadius, resetRadius, resetCamera });
+
+const comparison = new Comparison({ changed: comparisonChanged, moved: writeAddress, swapped, main: () => state, load: loadOther });
+const jobPanel = new JobPanel(() => ({ sides: sides(), frame: frame() }), sayProblem);
 
 const state = {
   scenes: [],
@@ -67,6 +77,7 @@ function takeScenes(scenes) {
   const wasListed = state.scenes.some((scene) => scene.name === shown);
   state.scenes = scenes;
   panel.listScenes(scenes, state.picked ?? shown ?? '');
+  comparison.refresh(scenes);
   if (state.picked) return;
   if (!state.scene) {
     panel.showProblem(scenes.length > 0 ? '' : NO_SCENES);
@@ -93,6 +104,8 @@ async function followAddress() {
   const fault = wanted.scene === null ? '' : faultOf(listed, wanted.scene);
   const chosen = fault || !listed ? firstScene() : listed;
   state.up = chosen === listed ? wanted.up : null;
+  otherFault = null;
+  const following = comparison.follow(chosen === listed ? wanted.compare : null, chosen?.name);
   const before = state.rounding; // whoever chooses another meanwhile gets that
   const view = () => ({
     ...(chosen === listed ? wanted : {}),
@@ -100,6 +113,8 @@ async function followAddress() {
   });
   const overtaken = chosen && !(await showScene(chosen, view));
   if (fault && !overtaken) panel.showProblem(fault);
+  if (await following) comparisonChanged();
+  else if (otherFault && !overtaken) sayProblem(otherFault);
 }
 
 function faultOf(listed, name) {
@@ -147,7 +162,11 @@ async function showScene(listed, view) {
 
 function pickScene(name) {
   const listed = state.scenes.find((scene) => scene.name === name);
-  if (listed) showScene(listed, () => ({}));
+  if (!listed) return;
+  showScene(listed, () => {
+    comparison.forgetRadius();
+    return {};
+  });
 }
 
 /** Turns a bare mesh over; where it stands otherwise, it is looked at anew. */
@@ -157,6 +176,7 @@ function setUp(axis) {
   if (!listed) return panel.showScene(state.scene);
   state.up = axis;
   showScene(listed, () => ({ radius }));
+  comparison.refresh(state.scenes, { isTurned: true });
 }
 
 // ---- the view
@@ -164,6 +184,14 @@ function setUp(axis) {
 function view() {
   return { sceneId: state.scene.id, camera: shownCamera(), rounding: state.rounding, radius: state.radius };
 }
+
+/** What is on the canvases: A alone or with B, each {scene, view}. */
+function sides() {
+  const a = { scene: state.scene, view: view() };
+  return comparison.isOn ? [a, comparison.sideOf(a)] : [a];
+}
+
+const frame = () => ({ width: canvas.width, height: canvas.height });
 
 /** The camera as it fits the picture's shape: scenes are made to be seen in the designed one, or a wider. */
 function shownCamera() {
@@ -175,10 +203,47 @@ function changed({ moving = false } = {}) {
   const radius = own ? (state.scene.radius?.current ?? 0) : state.radius;
   panel.showRounding(state.rounding, state.scale !== null);
   panel.showRadius(state.scale, radius, { own, enabled: state.scale !== null && state.rounding !== 'none' });
+  comparison.show();
+  fitCanvases();
+  if (comparison.isOn) jobPanel.show(frame());
   forgetPoint();
   panel.showProblem('');
-  renderer.show(view(), { moving });
+  showPicture({ moving });
   writeAddress();
+}
+
+function showPicture({ moving = false } = {}) {
+  const views = sides().map((side) => side.view);
+  renderer.show(views, { moving, difference: comparison.showsDifference });
+}
+
+function comparisonChanged(how) {
+  if (state.scene) changed(how);
+}
+
+let otherFault = null;
+
+/** A scene for the other side; null when there is none of it. */
+async function loadOther(name, signal) {
+  try {
+    return await insist(() => fetchUpright(name, state.up, signal), signal);
+  } catch (error) {
+    if (signal.aborted) return null;
+    otherFault = error.status === 404 ? new ServerError(`The server has no scene “${name}” for B.`, error) : error;
+    sayProblem(otherFault);
+    return null;
+  }
+}
+
+/** What was B is A now. */
+function swapped({ scene, rounding, radius }) {
+  const other = scene ?? state.scene;
+  const { current, max } = other.radius ?? {};
+  const camera = state.camera; // of both
+  Object.assign(state, { scene: other, rounding, radius, camera });
+  state.scale = max > 0 ? new RadiusScale(max, current ?? 0) : null;
+  panel.showScene(other);
+  changed();
 }
 
 function moveCamera(camera) {
@@ -221,7 +286,7 @@ function writeAddress() {
     const camera = state.camera === state.scene.camera ? null : state.camera;
     const { scene, radius, rounding } = state;
     const up = scene.id === scene.listedId ? null : scene.up_axis.current;
-    state.ownHash = encodeView({ scene: scene.name, camera, radius, rounding, up });
+    state.ownHash = encodeView({ scene: scene.name, camera, radius, rounding, up, compare: comparison.link() });
     history.replaceState(null, '', state.ownHash);
   }, 150);
 }
@@ -232,15 +297,18 @@ addEventListener('hashchange', () => {
 
 // ---- the point under the pointer
 
-async function inspect(x, y) {
+/** `at`: the canvas, x and y: in its pixels on the page. */
+async function inspect(x, y, at = canvas) {
   if (!state.scene) return;
   state.inspection.abort();
   const { signal } = (state.inspection = new AbortController());
-  const { clientWidth: width, clientHeight: height } = canvas;
+  const { clientWidth: width, clientHeight: height } = at;
+  const isOther = at === otherCanvas || (comparison.mode === 'slider' && x > (comparison.split / 100) * width);
+  const side = sides()[isOther ? 1 : 0].view;
   try {
-    const ray = pixelRay(shownCamera(), width, height, x, y);
-    const hit = await insist(() => fetchHit(view(), ray, signal), signal);
-    if (!signal.aborted) panel.showPoint(hit, x, y);
+    const ray = pixelRay(side.camera, width, height, x, y);
+    const hit = await insist(() => fetchHit(side, ray, signal), signal);
+    if (!signal.aborted) panel.showPoint(hit, x + at.offsetLeft, y + at.offsetTop);
   } catch (error) {
     if (error.name !== 'AbortError') sayProblem(error);
   }
@@ -284,14 +352,20 @@ async function insist(request, signal) {
   return answer;
 }
 
-function fit() {
-  const box = canvas.parentElement.getBoundingClientRect();
+/** Gives the canvases as many pixels as they have room for; true: their number has changed. */
+function fitCanvases() {
+  const { clientWidth, clientHeight } = canvas;
   const wanted = Math.min(devicePixelRatio || 1, 2);
-  const density = Math.min(wanted, Math.sqrt(LARGEST_PICTURE / Math.max(1, box.width * box.height)));
-  const [width, height] = [box.width, box.height].map((side) => Math.max(16, Math.round(side * density)));
-  if (!renderer.resize(width, height) || !state.scene) return;
+  const density = Math.min(wanted, Math.sqrt(LARGEST_PICTURE / Math.max(1, clientWidth * clientHeight)));
+  const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(16, Math.round(side * density)));
+  return renderer.resize(width, height);
+}
+
+function fit() {
+  if (!fitCanvases() || !state.scene) return;
   forgetPoint();
-  renderer.show(view());
+  if (comparison.isOn) jobPanel.show(frame());
+  showPicture();
 }
 
 let fitTimer = 0;
@@ -310,16 +384,23 @@ document.addEventListener('visibilitychange', () => {
   }
 });
 
-listen(canvas, {
-  turn: (azimuth, elevation) => state.camera && moveCamera(orbit(state.camera, azimuth, elevation)),
-  shift: (dx, dy) => state.camera && moveCamera(pan(state.camera, dx, dy)),
-  zoom: (factor) => state.camera && zoomBy(factor),
-  inspect,
-  home: () => state.camera && resetCamera(),
-});
-offerDownload(document.getElementById('download'), canvas, () => {
-  const name = (state.scene?.name ?? 'scene').replaceAll('/', '-');
-  return `${name}-${state.rounding}.png`;
-});
+for (const element of [canvas, otherCanvas]) {
+  listen(element, {
+    turn: (azimuth, elevation) => state.camera && moveCamera(orbit(state.camera, azimuth, elevation)),
+    shift: (dx, dy) => state.camera && moveCamera(pan(state.camera, dx, dy)),
+    zoom: (factor) => state.camera && zoomBy(factor),
+    inspect: (x, y) => inspect(x, y, element),
+    home: () => state.camera && resetCamera(),
+  });
+}
+offerDownload(
+  document.getElementById('download'),
+  () => seenPicture(comparison, { a: canvas, b: otherCanvas, difference: heatCanvas }),
+  () => {
+    const words = [state.scene?.name ?? 'scene', state.rounding];
+    if (comparison.isOn) words.push(comparison.mode);
+    return `${words.join('-').replaceAll(/[/:]/g, '-')}.png`;
+  },
+);
 fit();
 refresh();

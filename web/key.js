@@ -11,6 +11,8 @@ export function keyHeaders() {
   return key ? { Authorization: `Bearer ${key}` } : {};
 }
 
+export const hasKey = () => Boolean(read());
+
 /** Can this be sent at all? A header's value is visible ASCII. */
 export const isSendable = (key) => /^[\x21-\x7e]+$/.test(key);
 

@@ -1,8 +1,42 @@
 // The panel beside the picture: its elements, shown and read. Knows nothing of cameras, tiles or the server.
 import { isSendable } from './key.js';
+import { parseRounding, roundingWord } from './rounding.js';
 import { hitRows, lengthText, sceneFacts, statusText } from './words.js';
 
 const byId = (id) => document.getElementById(id);
+
+/** The options of a list of scenes, by folder. */
+export function sceneOptions(scenes) {
+  const groups = new Map([['', document.createDocumentFragment()]]);
+    for (const { name, state = 'ready', error } of scenes) {
+      const [folder, title] = [name.slice(0, Math.max(0, name.lastIndexOf('/'))), name.slice(name.lastIndexOf('/') + 1)];
+      const option = new Option(state === 'ready' ? title : `${title} (${state})`, name);
+      option.disabled = state !== 'ready';
+      option.title = error?.detail ?? '';
+      if (!groups.has(folder)) groups.set(folder, Object.assign(document.createElement('optgroup'), { label: folder }));
+      groups.get(folder).append(option);
+    }
+  return groups.values();
+}
+
+/** The field `id` for the number of segments or probes, with its name beside it; hidden for the other kinds. */
+export function showAmount(id, kind, amount) {
+  byId(`${id}-field`).hidden = amount === null;
+  if (amount === null) return;
+  byId(`${id}-name`).textContent = kind === 'mesh' ? 'Segments of a rounded edge' : 'Probe rays of each hit';
+  byId(id).value = amount;
+}
+
+/** `scale`: a RadiusScale, or null where nothing is rounded. */
+export function showRadiusSlider(id, scale, radius, enabled) {
+  const slider = byId(id);
+  slider.disabled = !enabled;
+  byId(`${id}-text`).textContent = scale ? lengthText(radius) : '';
+  if (!scale) return;
+  slider.max = scale.steps;
+  slider.value = scale.positionOf(radius);
+  slider.setAttribute('aria-valuetext', lengthText(radius));
+}
 
 export class Panel {
   /** `handlers`: scene(name), up(axis), rounding(word), radius(position, {final}), resetRadius(), resetCamera(). */
@@ -13,7 +47,14 @@ export class Panel {
     this.roundings = [...document.querySelectorAll('input[name="rounding"]')];
     this.upAxes = [...document.querySelectorAll('input[name="up"]')];
     byId('scene').addEventListener('change', (event) => handlers.scene(event.target.value));
-    for (const radio of this.roundings) radio.addEventListener('change', () => handlers.rounding(radio.value));
+    const pickRounding = (kind) => handlers.rounding(roundingWord(kind, this.amounts[kind]));
+    this.amounts = {}; // of mesh and bevel, as they were last
+    for (const radio of this.roundings) radio.addEventListener('change', () => pickRounding(radio.value));
+    byId('amount').addEventListener('change', ({ target }) => {
+      const { value: kind } = this.roundings.find((radio) => radio.checked);
+      this.amounts[kind] = target.value;
+      pickRounding(kind);
+    });
     for (const radio of this.upAxes) radio.addEventListener('change', () => handlers.up(radio.value));
     const radius = byId('radius');
     radius.addEventListener('input', () => handlers.radius(Number(radius.value), { final: false }));
@@ -30,16 +71,7 @@ export class Panel {
     const list = JSON.stringify(scenes.map(({ name, state, error }) => [name, state, error?.detail]));
     if (list === this.list) return;
     this.list = list;
-    const groups = new Map([['', document.createDocumentFragment()]]);
-    for (const { name, state = 'ready', error } of scenes) {
-      const [folder, title] = [name.slice(0, Math.max(0, name.lastIndexOf('/'))), name.slice(name.lastIndexOf('/') + 1)];
-      const option = new Option(state === 'ready' ? title : `${title} (${state})`, name);
-      option.disabled = state !== 'ready';
-      option.title = error?.detail ?? '';
-      if (!groups.has(folder)) groups.set(folder, Object.assign(document.createElement('optgroup'), { label: folder }));
-      groups.get(folder).append(option);
-    }
-    byId('scene').replaceChildren(...groups.values());
+    byId('scene').replaceChildren(...sceneOptions(scenes));
     byId('scene').disabled = scenes.length === 0;
     byId('scene').value = selected;
   }
@@ -55,23 +87,21 @@ export class Panel {
   }
 
   showRounding(word, available) {
+    const { kind, amount } = parseRounding(word);
     for (const radio of this.roundings) {
-      radio.checked = radio.value === word;
+      radio.checked = radio.value === kind;
       radio.disabled = !available;
     }
+    showAmount('amount', kind, amount);
+    if (amount !== null) this.amounts[kind] = amount;
+    byId('amount').disabled = !available;
   }
 
   /** `scale`: a RadiusScale, or null where nothing is rounded. `own`: is it the scene's own radius? */
   showRadius(scale, radius, { own, enabled }) {
-    const slider = byId('radius');
-    slider.disabled = !enabled;
     byId('reset-radius').disabled = !enabled || own;
-    byId('radius-text').textContent = scale ? lengthText(radius) : '';
     byId('radius-note').textContent = scale ? `Largest: ${lengthText(scale.top)}` : 'Nothing in this scene is rounded.';
-    if (!scale) return;
-    slider.max = scale.steps;
-    slider.value = scale.positionOf(radius);
-    slider.setAttribute('aria-valuetext', lengthText(radius));
+    showRadiusSlider('radius', scale, radius, enabled);
   }
 
   showStatus(status) {
@@ -133,18 +163,20 @@ export class Panel {
   }
 }
 
-/** Makes the link `anchor` save the canvas as a PNG under a name made when it is clicked. */
-export function offerDownload(anchor, canvas, fileName) {
+/** Makes the link `anchor` save a canvas as a PNG; it and the name are made when it is clicked. */
+export function offerDownload(anchor, picture, fileName) {
   anchor.href = '#';
   anchor.removeAttribute('aria-disabled');
   anchor.addEventListener('click', (event) => {
     event.preventDefault();
-    canvas.toBlob((blob) => {
-      const link = document.createElement('a');
-      link.href = URL.createObjectURL(blob);
-      link.download = fileName();
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-    }, 'image/png');
+    picture().toBlob((blob) => save(blob, fileName()), 'image/png');
   });
+}
+
+export function save(blob, fileName) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = fileName;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }

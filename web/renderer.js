@@ -1,20 +1,21 @@
-// Keeps the canvas in step with a view. While the view moves: coarse whole-frame pictures, one request at a time, the
-// newest view next. Once it rests: tiles of ever more samples, a few requests at a time, gathered in a Film. Whatever
-// a newer view outdates is aborted, so the server can stop working on it.
+// Keeps the canvases in step with a view, or with two that are compared. While a view moves: coarse whole-frame pictures, one
+// after the other, the newest view next. Once it rests: tiles of ever more samples, a few requests at a time, gathered in the
+// film of each side. Whatever a newer view outdates is aborted, so the server can stop working on it; a side that stays keeps
+// its tiles.
 import { fetchTile, ServerError, tileUrl } from './api.js';
-import { Film } from './film.js';
+import { filmOf, Painter } from './painter.js';
 import { Retry } from './retry.js';
-import { sampleRanges, tileGrid } from './tiles.js';
+import { nextOf } from './schedule.js';
+import { Side } from './side.js';
 import { retryText } from './words.js';
 
-const TILE_SIZE = 256;
-const REQUESTS_IN_FLIGHT = 3;
-const LONGEST_RANGE = 16;
+const REQUESTS_IN_FLIGHT = 3; // of both sides together
 const SETTLE_MS = 180;
 /** Coarse pictures are made as fine as fits this time. */
 const PREVIEW_MS = 90;
 const COARSEST = 12;
 const FINEST = 2;
+const NOTHING = '#101112';
 
 /**
  * @typedef {{sceneId: string, camera: object, rounding: string, radius: ?number}} View
@@ -22,69 +23,88 @@ const FINEST = 2;
  *            seconds: number, rays: number, rounded: number, message: string}} Status
  */
 export class Renderer {
-  /** `onStatus` gets a Status whenever something changes. `total`: samples per pixel of the finished picture. */
-  constructor(canvas, { total, onStatus }) {
-    this.canvas = canvas;
-    this.context = canvas.getContext('2d', { alpha: false });
+  /**
+   * `canvases`: of the picture, and of the one that it is compared with, of the same size always. `heatMap`: a HeatMap of
+   * that size. `onStatus` gets a Status whenever something changes. `total`: samples per pixel of the finished picture.
+   */
+  constructor(canvases, heatMap, { total, onStatus }) {
+    this.painters = canvases.map((canvas) => new Painter(canvas));
+    this.heatMap = heatMap;
     this.total = total;
     this.onStatus = onStatus;
-    this.view = null;
+    /** By canvas; equal views are one and the same Side. */
+    this.sides = [];
+    this.showsDifference = false;
     this.previewScale = 4;
-    this.abort = new AbortController();
-    this.previewing = false;
+    this.preview = null; // AbortController of the coarse pictures that are on their way
     this.rested = true;
     this.settleTimer = 0;
-    this.gate = null;
-    this.coarse = document.createElement('canvas');
+    this.isPaused = false;
     this.status = { phase: 'idle', samples: 0, total, seconds: 0, rays: 0, rounded: 0, message: '' };
   }
 
-  /** Shows `view`, at once in full quality or, when `moving`, coarsely until it has rested for a moment. */
-  show(view, { moving = false } = {}) {
-    this.view = view;
+  /**
+   * Shows one view, or two beside each other, at once in full quality or, when `moving`, coarsely until they have rested for
+   * a moment; the map of their difference, too, where `difference`.
+   */
+  show(views, { moving = false, difference = false } = {}) {
     clearTimeout(this.settleTimer);
     this.rested = !moving;
-    if (!moving) return this.#refine();
-    this.settleTimer = setTimeout(() => {
-      this.rested = true;
-      if (!this.previewing) this.#refine();
-    }, SETTLE_MS);
-    if (!this.previewing) {
-      this.#restart();
-      this.#preview(this.abort.signal);
+    this.#take(views);
+    if (difference && !moving && !(this.showsDifference && this.sides.every((side) => side.isCovered))) this.heatMap.forget();
+    else this.heatMap.hide();
+    this.showsDifference = difference;
+    if (moving) {
+      this.settleTimer = setTimeout(() => {
+        this.rested = true;
+        if (!this.preview) this.#refine();
+      }, SETTLE_MS);
+      if (!this.preview) this.#preview();
+    } else {
+      this.preview?.abort();
+      this.preview = null;
+      // Of two pictures none may be taken for that of another setting: what is left of an older one goes at once.
+      if (views.length > 1 && this.sides.some((side) => !side.isCovered)) this.#preview();
+      else this.#refine();
     }
   }
 
-  /** Sets the picture's size in pixels. True when it has changed: the view must be shown again then. */
+  /** Sets the pictures' size in pixels. True when it has changed: the views must be shown again then. */
   resize(width, height) {
-    if (width === this.canvas.width && height === this.canvas.height) return false;
-    const before = document.createElement('canvas');
-    before.width = this.canvas.width;
-    before.height = this.canvas.height;
-    before.getContext('2d').drawImage(this.canvas, 0, 0);
-    this.canvas.width = width;
-    this.canvas.height = height;
-    this.context.drawImage(before, 0, 0, width, height);
-    return true;
+    this.heatMap.resize(width, height);
+    return this.painters.map((painter) => painter.resize(width, height)).includes(true);
   }
 
   /** Asks for no further tiles until resume(); what has gathered stays. */
   pause() {
-    if (this.gate) return;
-    let open;
-    this.gate = new Promise((resolve) => (open = resolve));
-    this.gate.open = open;
+    this.isPaused = true;
   }
 
   resume() {
-    this.gate?.open();
-    this.gate = null;
+    this.isPaused = false;
+    if (this.rested && !this.preview && this.sides.length > 0) this.#pump();
   }
 
-  #restart() {
-    this.abort.abort();
-    this.abort = new AbortController();
-    this.previewing = false;
+  /** Makes `this.sides` those of the views, keeps what is known of them, and drops the others. */
+  #take(views) {
+    const before = this.sides;
+    const { width, height } = this.painters[0].canvas;
+    const frame = { width, height };
+    const known = [...before];
+    this.sides = views.map((view) => {
+      const key = Side.keyOf(view, frame);
+      const kept = known.find((side) => side.key === key);
+      if (kept) return kept;
+      known.push(new Side(view, frame, this.total));
+      return known.at(-1);
+    });
+    for (const side of before) if (!this.sides.includes(side)) side.abort.abort();
+    for (const [i, side] of this.sides.entries()) {
+      if (before[i] === side) continue;
+      if (side.hasTiles && side.isCovered && side.progress.samples > 0) this.painters[i].all(side.film);
+      else if (!before[i] && i > 0) this.painters[i].clear(NOTHING);
+      if (before.includes(side) && side.progress.samples === 0) side.isCovered = false; // on another canvas
+    }
   }
 
   #report(change) {
@@ -92,33 +112,41 @@ export class Renderer {
     this.onStatus(this.status);
   }
 
-  async #preview(signal) {
-    this.previewing = true;
+  /** Coarse pictures of those sides that have none, until all have one. */
+  async #preview() {
+    const { signal } = (this.preview = new AbortController());
     this.#report({ phase: 'moving', samples: 0, message: '' });
-    let shown = null;
     try {
-      while (shown !== this.view) {
-        const view = this.view;
-        const frame = {
-          width: Math.ceil(this.canvas.width / this.previewScale),
-          height: Math.ceil(this.canvas.height / this.previewScale),
-        };
-        const whole = { x: 0, y: 0, ...frame };
-        const started = performance.now();
-        const tile = await fetchTile(tileUrl(view, frame, whole, [0, 1]), signal);
-        if (signal.aborted) return;
-        this.#drawCoarse(tile);
-        this.#adaptPreview(performance.now() - started);
-        this.#report({ rays: tile.rays, rounded: tile.rounded });
-        shown = view;
-      }
+      while (this.sides.some((side) => !side.isCovered)) await this.#coarsePictures(signal);
     } catch (error) {
       // The full picture follows anyway, and says what is wrong if it still is.
       if (error.name !== 'AbortError' && !(error instanceof ServerError)) throw error;
     }
     if (signal.aborted) return;
-    this.previewing = false;
+    this.preview = null;
     if (this.rested) this.#refine();
+  }
+
+  async #coarsePictures(signal) {
+    const sides = this.sides;
+    const { width, height } = this.painters[0].canvas;
+    const frame = { width: Math.ceil(width / this.previewScale), height: Math.ceil(height / this.previewScale) };
+    const wanted = [...new Set(sides)].filter((side) => !side.isCovered || this.showsDifference);
+    const started = performance.now();
+    const tiles = await Promise.all(
+      wanted.map((side) => fetchTile(tileUrl(side.view, frame, { x: 0, y: 0, ...frame }, [0, 1]), signal)),
+    );
+    if (signal.aborted) return;
+    this.#adaptPreview(performance.now() - started);
+    const films = new Map(wanted.map((side, i) => [side, filmOf(tiles[i])]));
+    for (const [i, side] of sides.entries()) {
+      if (!films.has(side) || side.isCovered) continue;
+      this.painters[i].enlarged(films.get(side));
+    }
+    for (const side of wanted) side.isCovered = true;
+    if (this.showsDifference) this.heatMap.showCoarse(...sides.map((side) => films.get(side)));
+    const sum = (name) => tiles.reduce((all, tile) => all + tile[name], 0);
+    this.#report({ rays: sum('rays'), rounded: sum('rounded') });
   }
 
   #adaptPreview(milliseconds) {
@@ -126,72 +154,62 @@ export class Renderer {
     if (milliseconds < PREVIEW_MS * 0.6) this.previewScale = Math.max(FINEST, this.previewScale / 1.15);
   }
 
-  #drawCoarse({ width, height, samples, rgba }) {
-    const film = new Film(width, height);
-    const whole = { x: 0, y: 0, width, height };
-    film.add(whole, rgba, samples);
-    this.coarse.width = width;
-    this.coarse.height = height;
-    this.#drawTile(this.coarse.getContext('2d'), film, whole);
-    this.context.imageSmoothingQuality = 'high';
-    this.context.drawImage(this.coarse, 0, 0, this.canvas.width, this.canvas.height);
+  /** Renders the present views until they have all their samples or others take their place. */
+  #refine() {
+    this.started = performance.now();
+    if (this.showsDifference) this.heatMap.show(this.sides);
+    this.retry = new Retry((seconds, error) => this.#reportProgress('waiting', retryText(error, seconds)));
+    this.#reportProgress('rendering');
+    this.#pump();
   }
 
-  #drawTile(context, film, tile) {
-    const image = context.createImageData(tile.width, tile.height);
-    film.display(tile, image.data);
-    context.putImageData(image, tile.x, tile.y);
+  #reportProgress(phase, message = '') {
+    const sides = [...new Set(this.sides)];
+    const sum = (name) => sides.reduce((all, side) => all + side[name], 0);
+    const samples = Math.min(...sides.map((side) => side.progress.samples));
+    const seconds = (performance.now() - this.started) / 1000;
+    this.#report({ phase, message, samples, rays: sum('rays'), rounded: sum('rounded'), seconds });
   }
 
-  /** Renders the present view until it has all its samples or another one takes its place. */
-  async #refine() {
-    this.#restart();
-    const { signal } = this.abort;
-    const view = this.view;
-    const frame = { width: this.canvas.width, height: this.canvas.height };
-    const film = new Film(frame.width, frame.height);
-    const started = performance.now();
-    const progress = { samples: 0, rays: 0, rounded: 0 };
-    const report = (phase, message = '') => {
-      const seconds = (performance.now() - started) / 1000;
-      this.#report({ phase, message, ...progress, seconds });
-    };
-    const retry = new Retry((seconds, error) => report('waiting', retryText(error, seconds)));
+  #pump() {
+    if (!this.rested || this.preview) return;
+    const sides = [...new Set(this.sides)];
+    const inFlight = () => sides.reduce((all, side) => all + side.inFlight, 0);
+    while (!this.isPaused && inFlight() < REQUESTS_IN_FLIGHT) {
+      const progress = nextOf(sides.map((side) => side.progress));
+      if (!progress) break;
+      this.#render(sides.find((side) => side.progress === progress), progress.take());
+    }
+    if (sides.length > 0 && inFlight() === 0 && sides.every((side) => side.progress.isAllAsked)) this.#reportProgress('done');
+  }
 
-    report('rendering');
-    const jobs = renderJobs(frame, this.total);
-    const finished = new Map();
-    const work = async () => {
-      for (let job = jobs.next(); !job.done; job = jobs.next()) {
-        const { tile, range, tilesInPass } = job.value;
-        await this.gate;
-        const result = await retry.run(() => fetchTile(tileUrl(view, frame, tile, range), signal), signal);
-        if (signal.aborted) return;
-        film.add(tile, result.rgba, result.samples);
-        this.#drawTile(this.context, film, tile);
-        progress.rays += result.rays;
-        progress.rounded += result.rounded;
-        finished.set(range[1], (finished.get(range[1]) ?? 0) + 1);
-        if (finished.get(range[1]) === tilesInPass) progress.samples = Math.max(progress.samples, range[1]);
-        report('rendering');
-      }
-    };
+  async #render(side, place) {
+    const { signal } = side.abort;
+    side.inFlight++;
     try {
-      await Promise.all(Array.from({ length: REQUESTS_IN_FLIGHT }, work));
-      if (!signal.aborted) report('done');
+      const url = tileUrl(side.view, side.frame, place.tile, place.range);
+      const result = await this.retry.run(() => fetchTile(url, signal), signal);
+      if (signal.aborted) return;
+      side.add(place, result);
+      for (const [i, shown] of this.sides.entries()) if (shown === side) this.painters[i].tile(side.film, place.tile);
+      if (this.showsDifference) this.heatMap.take(side, place.tile);
     } catch (error) {
       if (signal.aborted || error.name === 'AbortError') return;
-      this.abort.abort();
-      if (!(error instanceof ServerError)) throw error;
-      report('failed', error.message);
+      this.#fail(error);
+      return;
+    } finally {
+      side.inFlight--;
     }
+    if (!this.rested || this.preview) return;
+    this.#reportProgress('rendering');
+    this.#pump();
   }
-}
 
-/** Tiles of a frame, pass by pass, in the order in which they are to be asked for. */
-function* renderJobs(frame, total) {
-  const tiles = tileGrid(frame.width, frame.height, TILE_SIZE);
-  for (const range of sampleRanges(total, LONGEST_RANGE)) {
-    for (const tile of tiles) yield { tile, range, tilesInPass: tiles.length };
+  /** Gives up; whatever is shown next begins anew. */
+  #fail(error) {
+    for (const side of this.sides) side.abort.abort();
+    this.sides = [];
+    if (!(error instanceof ServerError)) throw error;
+    this.#report({ phase: 'failed', message: error.message });
   }
 }

@@ -1,6 +1,8 @@
-// The part of the address after '#': scene, camera, radius, rounding and the axis that is up, so that a view can be shared as a link.
+// The part of the address after '#': scene, camera, radius, rounding, the axis that is up, and what it is compared with, so that
+// a view can be shared as a link.
+import { parseRounding } from './rounding.js';
 
-export const ROUNDINGS = ['analytic', 'none'];
+export const MODES = ['slider', 'beside', 'difference'];
 const UP_AXES = ['y', 'z'];
 
 const numberText = (x) => String(Number(x.toPrecision(6)));
@@ -34,27 +36,64 @@ export function parseCamera(text) {
   return apertureDiameter >= 0 && focusDistance >= 0 ? { ...camera, apertureDiameter, focusDistance } : null;
 }
 
-/** Text for the address. `camera`, `radius` and `up` are left out where they are null: the scene's own. */
-export function encodeView({ scene, camera, radius, rounding, up }) {
+/**
+ * What makes a picture of a scene, in the server's parameters. `view`: {camera, rounding, radius}; radius null: the scene's own.
+ */
+export function settingsText({ camera, rounding, radius }) {
+  const words = [`camera=${cameraText(camera)}`, `rounding=${rounding}`];
+  if (radius !== null && rounding !== 'none') words.push(`radius=${numberText(radius)}`);
+  return words.join('&');
+}
+
+/**
+ * Text for the address. `camera`, `radius` and `up` are left out where they are null: the scene's own. `compare`: null, or
+ * {mode, split, scene, rounding, radius} with the divider's place in per cent, and the scene null where both are of one.
+ */
+export function encodeView({ scene, camera, radius, rounding, up, compare }) {
   const parts = [`scene=${encodeURIComponent(scene)}`];
   if (camera) parts.push(`camera=${cameraText(camera)}`);
   if (radius !== null) parts.push(`radius=${numberText(radius)}`);
   if (rounding !== 'analytic') parts.push(`rounding=${rounding}`);
   if (up !== null) parts.push(`up=${up}`);
+  if (!compare) return `#${parts.join('&')}`;
+  parts.push(`compare=${compare.mode}`);
+  if (compare.split !== 50) parts.push(`split=${numberText(compare.split)}`);
+  if (compare.scene !== null) parts.push(`b-scene=${encodeURIComponent(compare.scene)}`);
+  parts.push(`b-rounding=${compare.rounding}`);
+  if (compare.radius !== null) parts.push(`b-radius=${numberText(compare.radius)}`);
   return `#${parts.join('&')}`;
 }
 
 /** What a link asks for; whatever it leaves out or has wrong is null (rounding: analytic). */
 export function decodeView(hash) {
   const parameters = new URLSearchParams(hash.replace(/^#/, ''));
-  const radius = Number(parameters.get('radius'));
-  const rounding = parameters.get('rounding');
   const up = parameters.get('up');
   return {
     scene: parameters.get('scene'),
     camera: parseCamera(parameters.get('camera') ?? ''),
-    radius: Number.isFinite(radius) && radius > 0 ? radius : null,
-    rounding: ROUNDINGS.includes(rounding) ? rounding : 'analytic',
+    radius: radiusOf(parameters.get('radius')),
+    rounding: roundingOf(parameters.get('rounding')),
     up: UP_AXES.includes(up) ? up : null,
+    compare: compareOf(parameters),
   };
+}
+
+function compareOf(parameters) {
+  const mode = parameters.get('compare');
+  if (!MODES.includes(mode)) return null;
+  const split = Number(parameters.get('split') ?? NaN);
+  return {
+    mode,
+    split: split >= 0 && split <= 100 ? split : 50,
+    scene: parameters.get('b-scene'),
+    rounding: roundingOf(parameters.get('b-rounding')),
+    radius: radiusOf(parameters.get('b-radius')),
+  };
+}
+
+const roundingOf = (word) => (parseRounding(word) ? word : 'analytic');
+
+function radiusOf(text) {
+  const radius = Number(text);
+  return Number.isFinite(radius) && radius > 0 ? radius : null;
 }

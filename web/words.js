@@ -29,6 +29,16 @@ export function statusText({ phase, samples, total, seconds, rays, rounded, mess
 /** That something is asked for again after `error`. */
 export const retryText = (error, seconds) => `${error.message} Trying again in ${seconds} s.`;
 
+const VERDICTS = { same: 'Same', differs: 'Differs', 'cannot-tell': 'Cannot tell', error: 'Error' };
+const STATES = { queued: 'Waiting for its turn', cancelled: 'Cancelled', failed: 'Failed' };
+
+/** A comparison job's state or, once there is one, its verdict. */
+export function jobText({ state, outcome, progress }) {
+  if (outcome) return VERDICTS[outcome] ?? outcome;
+  if (state !== 'running') return STATES[state] ?? state;
+  return progress?.most_seeds > 0 ? `Running: ${progress.seeds} of at most ${progress.most_seeds} seeds` : 'Running';
+}
+
 export function sceneFacts({ triangles, rounded_edges: roundedEdges }) {
   return `${count.format(triangles)} triangles, ${count.format(roundedEdges)} rounded edges`;
 }

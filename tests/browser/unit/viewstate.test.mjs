@@ -6,9 +6,9 @@ import { cameraText, decodeView, encodeView, parseCamera } from '../../../web/vi
 const camera = { eye: [3, -4.25, 2], target: [0, 0, 1], up: [0, 0, 1], vfovDegrees: 35 };
 
 test('a view survives the address', () => {
-  const view = { scene: 'solids/a b&c', camera, radius: 0.0125, rounding: 'none', up: 'y' };
+  const view = { scene: 'solids/a b&c', camera, radius: 0.0125, rounding: 'none', up: 'y', compare: null };
   assert.deepEqual(decodeView(encodeView(view)), view);
-  const own = { scene: 'dice', camera: null, radius: null, rounding: 'analytic', up: null };
+  const own = { scene: 'dice', camera: null, radius: null, rounding: 'analytic', up: null, compare: null };
   assert.equal(encodeView(own), '#scene=dice');
   assert.deepEqual(decodeView(encodeView(own)), own);
 });
@@ -26,14 +26,14 @@ test('a lens is part of the camera', () => {
 });
 
 test('what is wrong in an address is left out', () => {
-  assert.deepEqual(decodeView(''), { scene: null, camera: null, radius: null, rounding: 'analytic', up: null });
-  assert.deepEqual(decodeView('#radius=-1&rounding=soft&camera=1,2,3&up=x'), {
-    scene: null,
-    camera: null,
-    radius: null,
-    rounding: 'analytic',
-    up: null,
-  });
+  const nothing = { scene: null, camera: null, radius: null, rounding: 'analytic', up: null, compare: null };
+  assert.deepEqual(decodeView(''), nothing);
+  assert.deepEqual(decodeView('#radius=-1&rounding=soft&camera=1,2,3&up=x&compare=overlay'), nothing);
+  for (const rounding of ['mesh', 'mesh:0', 'mesh:257', 'mesh:07', 'none:3', 'bevel:', 'Mesh:3']) {
+    assert.deepEqual(decodeView(`#rounding=${rounding}`), nothing, rounding);
+  }
+  const { compare } = decodeView('#compare=beside&split=101&b-rounding=soft&b-radius=x');
+  assert.deepEqual(compare, { mode: 'beside', split: 50, scene: null, rounding: 'analytic', radius: null });
 });
 
 test('text that is no camera is refused', () => {
@@ -46,4 +46,14 @@ test('text that is no camera is refused', () => {
     '3,-4,2,0,0,1,0,0,1,180',
   ];
   for (const text of faulty) assert.equal(parseCamera(text), null, text);
+});
+
+test('what a view is compared with survives the address', () => {
+  const view = { scene: 'dice', camera: null, radius: null, rounding: 'mesh:8', up: null };
+  const settings = [
+    { mode: 'slider', split: 50, scene: null, rounding: 'none', radius: null },
+    { mode: 'difference', split: 0, scene: 'a b&c=d', rounding: 'bevel:256', radius: 0.03 },
+    { mode: 'beside', split: 37.5, scene: null, rounding: 'analytic', radius: 2 },
+  ];
+  for (const compare of settings) assert.deepEqual(decodeView(encodeView({ ...view, compare })), { ...view, compare });
 });
